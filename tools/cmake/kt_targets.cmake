@@ -1,0 +1,96 @@
+# Flags shared by every target, and the functions kt_library, kt_program and kt_test.
+
+# CUDA: on where nvcc is found, unless told otherwise.
+if(KT_CUDA STREQUAL "AUTO" OR KT_CUDA)
+  include(CheckLanguage)
+  if(NOT CMAKE_CUDA_ARCHITECTURES)
+    # Jetson Orin (87), desktop RTX 20 to 40 (75, 86, 89), data centre (80, 90); the last also as PTX for later parts.
+    set(CMAKE_CUDA_ARCHITECTURES 75-real 80-real 86-real 87-real 89-real 90)
+  endif()
+  check_language(CUDA)
+  if(CMAKE_CUDA_COMPILER)
+    enable_language(CUDA)
+    find_package(CUDAToolkit REQUIRED)
+    if(NOT CMAKE_CUDA20_STANDARD_COMPILE_OPTION)  # CMake 3.25 does not know that nvcc speaks C++20
+      set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION "-std=c++20")
+      set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION "-std=c++20")
+    endif()
+    set(CMAKE_CUDA_STANDARD 20)
+    set(KT_HAVE_CUDA ON)
+  elseif(NOT KT_CUDA STREQUAL "AUTO")
+    message(FATAL_ERROR "KT_CUDA=${KT_CUDA} but no nvcc was found: put it on PATH or set CMAKE_CUDA_COMPILER")
+  endif()
+endif()
+message(STATUS "Kintsugi ${PROJECT_VERSION}: CUDA ${KT_HAVE_CUDA}, -march=${KT_MARCH}, ${CMAKE_BUILD_TYPE}")
+
+option(KT_OPENMP "Run CPU kernels on several threads" ON)
+if(KT_OPENMP)
+  find_package(OpenMP REQUIRED COMPONENTS CXX)
+endif()
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.3 REQUIRED NO_MODULE)
+if(NOT KT_CORE_ONLY)
+  find_package(CLI11 REQUIRED)
+  find_package(nlohmann_json REQUIRED)
+  find_package(spdlog REQUIRED)
+  find_package(yaml-cpp REQUIRED)
+  find_package(JPEG REQUIRED)
+  find_package(ZLIB REQUIRED)
+endif()
+
+# One place for the flags that keep results equal on every machine (ARCHITECTURE.md, determinism).
+add_library(kt_flags INTERFACE)
+target_include_directories(kt_flags INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(kt_flags INTERFACE
+  # False alarms of g++ 12: -Wrestrict on "literal" + std::string, and, under sanitizers, uninitialised std::optional values.
+  $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-restrict $<$<BOOL:${KT_SANITIZE}>:-Wno-maybe-uninitialized>>
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wno-unknown-pragmas -Wshadow -Wnon-virtual-dtor -ffp-contract=off -fno-math-errno -fno-trapping-math>
+  $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${KT_MARCH}>>:-march=${KT_MARCH}>
+  $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${KT_WERROR}>>:-Werror>
+  $<$<COMPILE_LANGUAGE:CUDA>:-fmad=false --ftz=false --prec-div=true --prec-sqrt=true --expt-relaxed-constexpr
+    -Xcompiler=-ffp-contract=off>)
+# Eigen with SIMD reorders sums and changes struct layouts with the instruction set: keep it scalar.
+target_compile_definitions(kt_flags INTERFACE EIGEN_DONT_VECTORIZE EIGEN_MAX_ALIGN_BYTES=16)
+target_link_libraries(kt_flags INTERFACE $<TARGET_NAME_IF_EXISTS:OpenMP::OpenMP_CXX> Threads::Threads)
+if(KT_SANITIZE)
+  target_compile_options(kt_flags INTERFACE
+    $<$<COMPILE_LANGUAGE:CXX>:-fsanitize=${KT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all>)
+  target_link_options(kt_flags INTERFACE -fsanitize=${KT_SANITIZE})
+endif()
+if(KT_HAVE_CUDA)
+  target_compile_definitions(kt_flags INTERFACE KT_HAVE_CUDA)
+endif()
+
+# kt_library(<folder> SOURCES ... [CUDA ...] [DEPS ...]): the library kt_<folder>; DEPS are public.
+function(kt_library folder)
+  cmake_parse_arguments(ARG "" "" "SOURCES;CUDA;DEPS" ${ARGN})
+  if(NOT KT_HAVE_CUDA)
+    set(ARG_CUDA)
+  endif()
+  add_library(kt_${folder} STATIC ${ARG_SOURCES} ${ARG_CUDA})
+  target_link_libraries(kt_${folder} PUBLIC kt_flags ${ARG_DEPS})
+  if(ARG_CUDA)
+    target_link_libraries(kt_${folder} PUBLIC CUDA::cudart_static)
+  endif()
+endfunction()
+
+# kt_program(<name> SOURCES ... DEPS ... [NO_INSTALL]): an executable, installed unless told otherwise.
+function(kt_program name)
+  cmake_parse_arguments(ARG "NO_INSTALL" "" "SOURCES;DEPS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE kt_flags ${ARG_DEPS})
+  if(NOT ARG_NO_INSTALL)
+    install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  endif()
+endfunction()
+
+# kt_test(<name> SOURCES ... DEPS ...): one GoogleTest program, each of its tests known to ctest.
+function(kt_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE kt_flags ${ARG_DEPS} GTest::gtest GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${ARG_TIMEOUT})
+endfunction()
