@@ -1,0 +1,76 @@
+// Arrays on the device a kernel runs on.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "shared/core/check.h"
+#include "shared/exec/device.h"
+
+namespace kt::exec {
+
+/// Zeroed memory on `device`; on a CPU large blocks cost physical memory only where they are written. Throws
+/// kt::Error where there is not enough.
+void* allocate_zeroed(const Device& device, size_t bytes);
+void release(const Device& device, void* pointer, size_t bytes) noexcept;
+void fill_zero(const Device& device, void* pointer, size_t bytes);
+/// Returns the memory behind a range of zeros to the system where the device can do without it; it still
+/// reads as zeros.
+void give_back_zeros(const Device& device, void* pointer, size_t bytes);
+void copy_to_device(const Device& device, void* to, const void* from, size_t bytes);
+void copy_to_host(const Device& device, void* to, const void* from, size_t bytes);
+
+/// A fixed number of elements of a plain type, zeroed at first; moves, does not copy.
+template <typename T>
+class Buffer {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  Buffer() = default;
+  Buffer(const Device& device, int64_t size)
+      : device_(device),
+        size_(size),
+        data_(static_cast<T*>(allocate_zeroed(device, bytes_of(size))), Release{device, bytes_of(size)}) {}
+
+  int64_t size() const { return data_ ? size_ : 0; }
+  T* data() { return data_.get(); }
+  const T* data() const { return data_.get(); }
+
+  void fill_zero() { exec::fill_zero(device_, data(), bytes_of(size_)); }
+  /// For elements [first, first + count), which must be zero.
+  void give_back_zeros(int64_t first, int64_t count) {
+    exec::give_back_zeros(device_, data() + first, bytes_of(count));
+  }
+  void upload(std::span<const T> values) {
+    KT_CHECK(static_cast<int64_t>(values.size()) <= size_);
+    copy_to_device(device_, data(), values.data(), values.size_bytes());
+  }
+  /// Copies the first values.size() elements to the host; waits for the kernels before it.
+  void download(std::span<T> values) const {
+    KT_CHECK(static_cast<int64_t>(values.size()) <= size_);
+    copy_to_host(device_, values.data(), data(), values.size_bytes());
+  }
+  std::vector<T> downloaded() const { return downloaded(size_); }
+  std::vector<T> downloaded(int64_t count) const {
+    std::vector<T> values(static_cast<size_t>(count));
+    download(values);
+    return values;
+  }
+
+ private:
+  static size_t bytes_of(int64_t size) { return static_cast<size_t>(size) * sizeof(T); }
+  struct Release {
+    Device device;
+    size_t bytes = 0;
+    void operator()(T* pointer) const { release(device, pointer, bytes); }
+  };
+  Device device_;
+  int64_t size_ = 0;
+  std::unique_ptr<T, Release> data_;
+};
+
+}  // namespace kt::exec

@@ -1,0 +1,39 @@
+// Where kernels run: CPU threads or one CUDA GPU.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "shared/exec/thread_pool.h"
+
+namespace kt::exec {
+
+/// A value that every buffer and launch is given; copies share the threads.
+class Device {
+ public:
+  /// One CPU thread.
+  Device() : Device(cpu(1)) {}
+  /// `threads` = 0 takes all cores. Throws kt::Error where threads lies outside [0, 1024].
+  static Device cpu(int threads = 0);
+  /// The first CUDA GPU. Throws kt::Error naming the remedy where this build or this machine has none.
+  static Device cuda();
+  /// "cpu" or "cuda"; throws kt::Error for any other name.
+  static Device from_name(const std::string& name, int threads);
+
+  bool is_cuda() const { return is_cuda_; }
+  int threads() const { return is_cuda_ ? 1 : pool_->threads(); }
+  /// The threads of a CPU device.
+  ThreadPool& pool() const { return *pool_; }
+
+ private:
+  Device(bool is_cuda, std::shared_ptr<ThreadPool> pool) : is_cuda_(is_cuda), pool_(std::move(pool)) {}
+  bool is_cuda_;
+  std::shared_ptr<ThreadPool> pool_;  // null for cuda
+};
+
+/// Whether this build has the CUDA executor and this machine a usable GPU; where not, `reason` says why.
+bool cuda_is_available(std::string* reason = nullptr);
+
+}  // namespace kt::exec

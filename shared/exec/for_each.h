@@ -1,0 +1,53 @@
+// Runs one kernel functor per element on either executor.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "shared/exec/device.h"
+
+namespace kt::exec {
+
+#if defined(KT_HAVE_CUDA)
+/// Defined in cuda_launch.cuh, instantiated in the .cu file of the kernel's module.
+template <typename Functor>
+void launch_for_each(int64_t count, const Functor& functor);
+template <typename Functor>
+void launch_for_each_pixel(int width, int height, const Functor& functor);
+#endif
+
+/// Calls functor(i) for i in [0, count). Elements are independent: each writes only its own slot.
+template <typename Functor>
+void for_each(const Device& device, int64_t count, const Functor& functor) {
+#if defined(KT_HAVE_CUDA)
+  if (device.is_cuda()) return launch_for_each(count, functor);
+#endif
+  // Small dynamic blocks balance uneven elements; which thread runs one cannot change its result.
+  const int64_t block = std::clamp<int64_t>(count / (int64_t{16} * device.threads()), 1, 4096);
+  const int64_t blocks = (count + block - 1) / block;
+  device.pool().run(blocks, [&](int64_t b) {
+    const Functor f = functor;  // a private copy: its members cannot alias what it writes
+    const int64_t end = std::min(count, (b + 1) * block);
+    for (int64_t i = b * block; i < end; ++i) f(i);
+  });
+}
+
+/// Calls functor(u, v) for every pixel of a width x height image, rows in parallel.
+template <typename Functor>
+void for_each_pixel(const Device& device, int width, int height, const Functor& functor) {
+#if defined(KT_HAVE_CUDA)
+  if (device.is_cuda()) return launch_for_each_pixel(width, height, functor);
+#endif
+  constexpr int kRows = 8;
+  device.pool().run((height + kRows - 1) / kRows, [&](int64_t b) {
+    const Functor f = functor;
+    const int first = static_cast<int>(b) * kRows;
+    for (int v = first; v < std::min(height, first + kRows); ++v) {
+#pragma GCC ivdep
+      for (int u = 0; u < width; ++u) f(u, v);
+    }
+  });
+}
+
+}  // namespace kt::exec

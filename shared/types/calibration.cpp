@@ -1,0 +1,22 @@
+// Sanity checks of a calibration.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/types/calibration.h"
+
+#include <cmath>
+
+namespace kt {
+
+bool Calibration::is_registered() const {
+  return depth == colour && T_colour_depth.matrix().isApprox(Eigen::Matrix4d::Identity(), 1e-12);
+}
+
+std::string Calibration::problem() const {
+  if (const std::string text = depth.problem(); !text.empty()) return "depth camera: " + text;
+  if (const std::string text = colour.problem(); !text.empty()) return "colour camera: " + text;
+  if (!is_valid_pose(T_colour_depth)) return "T_colour_depth is not a rigid transform";
+  if (T_colour_depth.translation().norm() > 1) return "the cameras stand more than 1 m apart";
+  if (!(depth_unit_m >= 1e-6 && depth_unit_m <= 0.1)) return "depth_unit_m must lie in [1e-6, 0.1]";
+  return {};
+}
+
+}  // namespace kt

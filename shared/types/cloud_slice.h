@@ -1,0 +1,25 @@
+// The surface that left the moving volume, as an indexed mesh patch.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "shared/geometry/se3.h"
+#include "shared/types/slice_vertex.h"
+
+namespace kt {
+
+struct CloudSlice {
+  int64_t sequence = 0;                   ///< counts the slices of a log, from 0
+  int64_t timestamp_us = 0;               ///< of the frame at which it left the volume
+  Pose T_odom_camera = Pose::Identity();  ///< camera pose at that frame
+  double voxel_size_m = 0;
+  bool is_final = false;              ///< the flush of the whole volume at the end of a mission
+  std::vector<SliceVertex> vertices;  ///< sorted by key, each key once
+  std::vector<std::array<uint32_t, 3>>
+      triangles;  ///< indices into `vertices`, counter-clockwise seen from outside
+};
+
+}  // namespace kt

@@ -1,0 +1,24 @@
+// The collector's running counts, for whoever watches it and for the report.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "shared/core/vec.h"
+#include "shared/types/stamped_pose.h"
+
+namespace kt {
+
+/// Holds nothing that depends on the clock or the machine, so that equal missions give equal logs.
+struct MissionStatus {
+  int64_t sequence = 0;      ///< counts status messages
+  int64_t timestamp_us = 0;  ///< of the last frame
+  int64_t frames = 0;        ///< processed
+  int64_t frames_good = 0, frames_uncertain = 0, frames_lost = 0;
+  int64_t frames_skipped = 0;  ///< unreadable, out of order or of the wrong size
+  int64_t slices = 0, slice_vertices = 0, slice_triangles = 0;
+  Vec3i volume_origin_voxel;  ///< lowest voxel of the volume in the odom grid
+  TrackingStatus tracking = TrackingStatus::kGood;
+};
+
+}  // namespace kt

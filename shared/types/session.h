@@ -1,0 +1,51 @@
+// A mission: what its log begins with, and everything a loaded log holds.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "shared/types/calibration.h"
+#include "shared/types/cloud_slice.h"
+#include "shared/types/keyframe.h"
+#include "shared/types/loop_closure.h"
+#include "shared/types/mission_status.h"
+#include "shared/types/stamped_pose.h"
+
+namespace kt {
+
+/// First event of every log.
+struct SessionHeader {
+  static constexpr int kFormatVersion = 1;
+  int format_version = kFormatVersion;
+  int64_t timestamp_us = 0;        ///< of the first frame
+  std::string program_version;     ///< "0.1.0 (abcdef123456)"
+  std::string configuration_yaml;  ///< every field of the collector's configuration
+  Calibration calibration;
+};
+
+/// What reading a log found, good and bad.
+struct LogIntegrity {
+  int64_t events = 0;            ///< intact events
+  int64_t unknown_events = 0;    ///< intact, on channels that are not ours
+  int64_t damaged_events = 0;    ///< wrong length, type or checksum: skipped
+  int64_t skipped_bytes = 0;     ///< between events, while looking for the next sync word
+  int64_t missing_messages = 0;  ///< gaps in the sequence numbers of the channels
+  bool truncated = false;        ///< the file ends inside an event
+  bool is_sound() const {
+    return damaged_events == 0 && skipped_bytes == 0 && missing_messages == 0 && !truncated;
+  }
+};
+
+struct Session {
+  SessionHeader header;
+  Trajectory trajectory;           ///< one pose per processed frame, in order
+  std::vector<CloudSlice> slices;  ///< in order
+  std::vector<Keyframe> keyframes;
+  std::vector<LoopClosure> loop_closures;
+  MissionStatus last_status;
+  LogIntegrity integrity;
+};
+
+}  // namespace kt
