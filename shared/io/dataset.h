@@ -1,0 +1,67 @@
+// Recordings kept as a folder of images: TUM RGB-D, ICL-NUIM and 7-Scenes.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "shared/types/calibration.h"
+#include "shared/types/rgbd_frame.h"
+#include "shared/types/stamped_pose.h"
+
+namespace kt {
+
+/// What a folder holds: which images make a frame, and the poses that came with them. Opening reads lists
+/// only; images are read when asked for.
+class Dataset {
+ public:
+  struct Entry {
+    int64_t timestamp_us = 0, colour_timestamp_us = 0;
+    std::filesystem::path depth, colour;  ///< `colour` is empty where the frame has none
+  };
+
+  Dataset(std::vector<Entry> entries, Trajectory groundtruth, Calibration calibration)
+      : entries_(std::move(entries)),
+        groundtruth_(std::move(groundtruth)),
+        calibration_(std::move(calibration)) {}
+
+  int64_t frame_count() const { return static_cast<int64_t>(entries_.size()); }
+  int64_t timestamp_us(int64_t i) const { return entry(i).timestamp_us; }
+
+  /// Frame `i`, its images as stored; throws kt::Error where one is missing or damaged.
+  RgbdFrame load(int64_t i) const;
+
+  /// T_world_camera of the depth camera at the recording's own stamps, not one per frame; empty where there
+  /// is none.
+  const Trajectory& groundtruth() const { return groundtruth_; }
+  /// calibration.yaml of the folder where there is one, else the built-in one that fits.
+  const Calibration& default_calibration() const { return calibration_; }
+
+ private:
+  const Entry& entry(int64_t i) const;
+
+  std::vector<Entry> entries_;
+  Trajectory groundtruth_;
+  Calibration calibration_;
+};
+
+/// `format` is "tum", "icl" or "7scenes"; throws kt::Error where it is none of them or the folder holds no
+/// frames.
+Dataset open_dataset(const std::string& format, const std::filesystem::path& folder);
+std::vector<std::string> dataset_formats();
+
+/// TUM RGB-D: depth.txt drives, rgb.txt is paired to it within 20 ms, groundtruth.txt may be missing. A depth
+/// image without a partner keeps an empty colour image.
+Dataset open_tum(const std::filesystem::path& folder);
+
+/// ICL-NUIM: depth/N.png, rgb/N.png or .jpg, *.gt.freiburg; 30 Hz. Images are as stored, poses are those of
+/// an ordinary camera in a mirrored world: see icl_nuim.cpp.
+Dataset open_icl_nuim(const std::filesystem::path& folder);
+/// The poses of an ICL-NUIM *.gt.freiburg file in the convention of open_icl_nuim.
+Trajectory read_icl_groundtruth(const std::filesystem::path& path);
+
+/// 7-Scenes: frame-N.depth.png, frame-N.color.png or .jpg, frame-N.pose.txt; 30 Hz.
+Dataset open_seven_scenes(const std::filesystem::path& folder);
+
+}  // namespace kt

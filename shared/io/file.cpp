@@ -1,0 +1,54 @@
+// Reading and writing whole files through the C library, which tells why it failed.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/io/file.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "shared/core/check.h"
+
+namespace kt {
+namespace {
+
+struct Closer {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Closer>;
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
+  throw Error(path.string() + ": " + what);
+}
+
+}  // namespace
+
+std::string read_file(const std::filesystem::path& path, size_t limit) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) fail(path, "is a folder, a file is needed");
+  const File file(std::fopen(path.c_str(), "rb"));
+  if (!file) fail(path, std::string("cannot be read: ") + std::strerror(errno));
+  std::string bytes;
+  // The size is a hint only: pipes have none.
+  const auto size = std::filesystem::file_size(path, ignored);
+  if (!ignored && size <= limit) bytes.reserve(size);
+  char block[1 << 16];
+  while (const size_t count = std::fread(block, 1, sizeof block, file.get())) {
+    if (count > limit - bytes.size()) fail(path, "is longer than " + std::to_string(limit) + " bytes");
+    bytes.append(block, count);
+  }
+  if (std::ferror(file.get())) fail(path, std::string("cannot be read: ") + std::strerror(errno));
+  return bytes;
+}
+
+void write_file(const std::filesystem::path& path, std::string_view bytes) {
+  File file(std::fopen(path.c_str(), "wb"));
+  if (!file) fail(path, std::string("cannot be written: ") + std::strerror(errno));
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
+  // A full disk may show only when the last block is flushed.
+  if (!written || std::fclose(file.release()) != 0) {
+    fail(path, std::string("cannot be written whole: ") + std::strerror(errno));
+  }
+}
+
+}  // namespace kt

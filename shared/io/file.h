@@ -1,0 +1,28 @@
+// Whole files in and out of memory, with errors that name the file.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace kt {
+
+/// The bytes of a file; throws kt::Error where it is missing, unreadable or longer than `limit` bytes.
+std::string read_file(const std::filesystem::path& path, size_t limit = size_t{1} << 32);
+
+/// Replaces the file; throws kt::Error where it cannot be written whole (no folder, no permission, full
+/// disk).
+void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+inline std::span<const uint8_t> as_bytes(std::string_view text) {
+  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
+inline std::string_view as_text(std::span<const uint8_t> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace kt

@@ -1,0 +1,60 @@
+// TUM RGB-D benchmark folders: rgb.txt, depth.txt, groundtruth.txt.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/io/dataset.h"
+#include "shared/io/dataset_folder.h"
+#include "shared/io/file.h"
+#include "shared/io/stamp_association.h"
+#include "shared/io/text_lines.h"
+#include "shared/io/trajectory_file.h"
+
+namespace kt {
+namespace {
+
+struct ImageList {
+  std::vector<int64_t> stamps_us;
+  std::vector<std::filesystem::path> files;
+};
+
+ImageList read_image_list(const std::filesystem::path& path) {
+  const std::string text = read_file(path);
+  ImageList list;
+  TextLines lines(path.string(), text);
+  while (lines.next()) {
+    lines.expect_fields(2, "timestamp filename");
+    list.stamps_us.push_back(lines.stamp_us(0));
+    list.files.push_back(path.parent_path() / lines.fields()[1]);
+  }
+  return list;
+}
+
+/// The recordings are named rgbd_dataset_freiburg1_desk and the like, or fr1_desk for short.
+const char* camera_of(const std::filesystem::path& folder) {
+  const std::string name = std::filesystem::weakly_canonical(folder).filename().string();
+  const auto has = [&](const char* text) { return name.find(text) != std::string::npos; };
+  if (has("freiburg1") || has("fr1")) return "tum-fr1";
+  if (has("freiburg2") || has("fr2")) return "tum-fr2";
+  if (has("freiburg3") || has("fr3")) return "tum-fr3";
+  return "tum";
+}
+
+}  // namespace
+
+Dataset open_tum(const std::filesystem::path& folder) {
+  const ImageList depth = read_image_list(folder / "depth.txt");
+  const ImageList colour = read_image_list(folder / "rgb.txt");
+
+  std::vector<Dataset::Entry> entries(depth.files.size());
+  for (size_t i = 0; i < entries.size(); ++i) {
+    entries[i] = {depth.stamps_us[i], depth.stamps_us[i], depth.files[i], {}};
+  }
+  for (const StampPair& pair : associate_stamps(depth.stamps_us, colour.stamps_us)) {
+    entries[pair.first].colour_timestamp_us = colour.stamps_us[pair.second];
+    entries[pair.first].colour = colour.files[pair.second];
+  }
+
+  const std::filesystem::path poses = folder / "groundtruth.txt";
+  return Dataset(std::move(entries), std::filesystem::exists(poses) ? read_trajectory(poses) : Trajectory{},
+                 folder_calibration(folder, camera_of(folder)));
+}
+
+}  // namespace kt

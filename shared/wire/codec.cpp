@@ -1,0 +1,349 @@
+// Copies each message between its plain struct and its generated LCM type.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/wire/codec.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "kintsugi/cloud_slice_t.hpp"
+#include "kintsugi/keyframe_t.hpp"
+#include "kintsugi/loop_closure_t.hpp"
+#include "kintsugi/pose_t.hpp"
+#include "kintsugi/rgbd_frame_t.hpp"
+#include "kintsugi/session_t.hpp"
+#include "kintsugi/status_t.hpp"
+#include "shared/wire/lcm_fields.h"
+#include "shared/wire/message_layout.h"
+#include "shared/wire/validity.h"
+
+namespace kt {
+namespace {
+
+// Offsets as in lcmtypes/*.lcm; encode compares every message it makes with them.
+const MessageLayout kSessionLayout{.fixed_bytes = 300, .strings = 3};
+const MessageLayout kPoseLayout{.fixed_bytes = 301};
+const MessageLayout kSliceLayout{.fixed_bytes = 149, .arrays = {{141, 43}, {145, 12}}};
+const MessageLayout kKeyframeLayout{
+    .fixed_bytes = 148, .arrays = {{136, 20}, {140, 1}, {144, 1}}, .strings = 1};
+const MessageLayout kLoopLayout{.fixed_bytes = 321, .arrays = {{317, 24}}, .strings = 1};
+const MessageLayout kStatusLayout{.fixed_bytes = 113};
+const MessageLayout kFrameLayout{.fixed_bytes = 52, .arrays = {{44, 1}, {48, 1}}};
+
+template <typename Lcm>
+std::vector<uint8_t> seal(Lcm& message, const MessageLayout& layout, int64_t sequence, int64_t timestamp_us) {
+  message.header = {};
+  message.header.sequence = sequence;
+  message.header.timestamp_us = timestamp_us;
+  const int size = message.getEncodedSize();
+  KT_CHECK(size > 0 && size <= kMaxMessageBytes);
+  std::vector<uint8_t> bytes(static_cast<size_t>(size));
+  KT_CHECK(message.encode(bytes.data(), 0, size) == size);
+  KT_CHECK(check_layout(bytes, layout) == DecodeStatus::kOk, "the layout differs from lcmtypes/");
+  store_checksum(bytes);
+  return bytes;
+}
+
+template <typename Lcm>
+DecodeStatus open(std::span<const uint8_t> bytes, const MessageLayout& layout, Lcm& message) {
+  if (bytes.size() < kHeaderEnd || bytes.size() > kMaxMessageBytes) return DecodeStatus::kWrongLength;
+  if (load_int64(bytes.data()) != Lcm::getHash()) return DecodeStatus::kWrongType;
+  if (const DecodeStatus status = check_layout(bytes, layout); status != DecodeStatus::kOk) return status;
+  if (message_checksum(bytes) != stored_checksum(bytes)) return DecodeStatus::kBadChecksum;
+  const int size = static_cast<int>(bytes.size());
+  if (message.decode(bytes.data(), 0, size) != size) return DecodeStatus::kWrongLength;
+  return message.header.sequence >= 0 ? DecodeStatus::kOk : DecodeStatus::kOutOfRange;
+}
+
+// Hands `value` out where it can be.
+template <typename T>
+DecodeStatus accept(T&& value, T& out) {
+  const DecodeStatus status = validity(value);
+  if (status == DecodeStatus::kOk) out = std::move(value);
+  return status;
+}
+
+template <typename T>
+void check_valid(const T& value, int64_t message_sequence) {
+  KT_CHECK(message_sequence >= 0);
+  const DecodeStatus status = validity(value);
+  KT_CHECK(status == DecodeStatus::kOk,
+           std::string("message on ") + std::string(channel_of<T>()) + ": " + to_string(status));
+}
+
+}  // namespace
+
+const char* to_string(DecodeStatus status) {
+  switch (status) {
+    case DecodeStatus::kOk:
+      return "ok";
+    case DecodeStatus::kWrongType:
+      return "wrong type";
+    case DecodeStatus::kWrongLength:
+      return "wrong length";
+    case DecodeStatus::kBadChecksum:
+      return "bad checksum";
+    case DecodeStatus::kNotFinite:
+      return "not finite";
+    case DecodeStatus::kOutOfRange:
+      return "out of range";
+  }
+  return "unknown";
+}
+
+bool has_valid_checksum(std::span<const uint8_t> bytes) {
+  return bytes.size() >= kHeaderEnd && message_checksum(bytes) == stored_checksum(bytes) &&
+         stamp_of(bytes).sequence >= 0;
+}
+
+MessageStamp stamp_of(std::span<const uint8_t> bytes) {
+  KT_CHECK(bytes.size() >= kHeaderEnd);
+  return {load_int64(bytes.data() + kSequenceOffset), load_int64(bytes.data() + kTimestampOffset)};
+}
+
+std::vector<uint8_t> encode(const SessionHeader& session, int64_t message_sequence) {
+  check_valid(session, message_sequence);
+  kintsugi::session_t message{};
+  message.format_version = session.format_version;
+  message.invalid_depth = session.calibration.invalid_depth;
+  message.depth_unit_m = session.calibration.depth_unit_m;
+  pack(session.calibration.T_colour_depth, message.T_colour_depth);
+  message.depth = pack(session.calibration.depth);
+  message.colour = pack(session.calibration.colour);
+  message.calibration_name = session.calibration.name;
+  message.program_version = session.program_version;
+  message.configuration_yaml = session.configuration_yaml;
+  return seal(message, kSessionLayout, message_sequence, session.timestamp_us);
+}
+
+DecodeStatus decode(std::span<const uint8_t> bytes, SessionHeader& session) {
+  kintsugi::session_t message{};
+  if (const DecodeStatus status = open(bytes, kSessionLayout, message); status != DecodeStatus::kOk)
+    return status;
+  if (message.invalid_depth < 0 || message.invalid_depth > UINT16_MAX) return DecodeStatus::kOutOfRange;
+  SessionHeader value;
+  value.format_version = message.format_version;
+  value.timestamp_us = message.header.timestamp_us;
+  value.program_version = std::move(message.program_version);
+  value.configuration_yaml = std::move(message.configuration_yaml);
+  value.calibration.name = std::move(message.calibration_name);
+  value.calibration.depth = unpack(message.depth);
+  value.calibration.colour = unpack(message.colour);
+  value.calibration.T_colour_depth = unpack_pose(message.T_colour_depth);
+  value.calibration.depth_unit_m = message.depth_unit_m;
+  value.calibration.invalid_depth = static_cast<uint16_t>(message.invalid_depth);
+  return accept(std::move(value), session);
+}
+
+std::vector<uint8_t> encode(const StampedPose& pose, int64_t message_sequence) {
+  check_valid(pose, message_sequence);
+  kintsugi::pose_t message{};
+  message.frame = pose.sequence;
+  pack(pose.T_odom_camera, message.T_odom_camera);
+  pack(pose.information, message.information);
+  message.status = static_cast<int8_t>(pose.status);
+  return seal(message, kPoseLayout, message_sequence, pose.timestamp_us);
+}
+
+DecodeStatus decode(std::span<const uint8_t> bytes, StampedPose& pose) {
+  kintsugi::pose_t message{};
+  if (const DecodeStatus status = open(bytes, kPoseLayout, message); status != DecodeStatus::kOk)
+    return status;
+  return accept(
+      StampedPose{message.frame, message.header.timestamp_us, unpack_pose(message.T_odom_camera),
+                  unpack_information(message.information), static_cast<TrackingStatus>(message.status)},
+      pose);
+}
+
+std::vector<uint8_t> encode(const CloudSlice& slice, int64_t message_sequence) {
+  check_valid(slice, message_sequence);
+  kintsugi::cloud_slice_t message{};
+  message.slice = slice.sequence;
+  pack(slice.T_odom_camera, message.T_odom_camera);
+  message.voxel_size_m = slice.voxel_size_m;
+  message.is_final = slice.is_final;
+  const size_t vertices = slice.vertices.size(), triangles = slice.triangles.size();
+  message.vertex_count = wire_count(vertices, 43);
+  message.triangle_count = wire_count(triangles, 12);
+  const auto resize = [](size_t size, auto&... columns) { (columns.resize(size), ...); };
+  resize(vertices, message.key, message.x_odom, message.y_odom, message.z_odom, message.nx_odom,
+         message.ny_odom, message.nz_odom, message.red, message.green, message.blue, message.weight,
+         message.pose_sequence);
+  resize(triangles, message.a, message.b, message.c);
+  for (size_t i = 0; i < vertices; ++i) {
+    const SliceVertex& vertex = slice.vertices[i];
+    message.key[i] = static_cast<int64_t>(vertex.key.bits);
+    message.x_odom[i] = vertex.p_odom.x, message.y_odom[i] = vertex.p_odom.y,
+    message.z_odom[i] = vertex.p_odom.z;
+    message.nx_odom[i] = vertex.n_odom.x, message.ny_odom[i] = vertex.n_odom.y,
+    message.nz_odom[i] = vertex.n_odom.z;
+    message.red[i] = vertex.colour.r, message.green[i] = vertex.colour.g, message.blue[i] = vertex.colour.b;
+    message.weight[i] = vertex.weight;
+    message.pose_sequence[i] = static_cast<int32_t>(vertex.pose_sequence);
+  }
+  for (size_t i = 0; i < triangles; ++i) {
+    message.a[i] = static_cast<int32_t>(slice.triangles[i][0]);
+    message.b[i] = static_cast<int32_t>(slice.triangles[i][1]);
+    message.c[i] = static_cast<int32_t>(slice.triangles[i][2]);
+  }
+  return seal(message, kSliceLayout, message_sequence, slice.timestamp_us);
+}
+
+DecodeStatus decode(std::span<const uint8_t> bytes, CloudSlice& slice) {
+  kintsugi::cloud_slice_t message{};
+  if (const DecodeStatus status = open(bytes, kSliceLayout, message); status != DecodeStatus::kOk)
+    return status;
+  CloudSlice value;
+  value.sequence = message.slice;
+  value.timestamp_us = message.header.timestamp_us;
+  value.T_odom_camera = unpack_pose(message.T_odom_camera);
+  value.voxel_size_m = message.voxel_size_m;
+  value.is_final = message.is_final != 0;
+  value.vertices.resize(static_cast<size_t>(message.vertex_count));
+  for (size_t i = 0; i < value.vertices.size(); ++i) {
+    value.vertices[i] = {{static_cast<uint64_t>(message.key[i])},
+                         {message.x_odom[i], message.y_odom[i], message.z_odom[i]},
+                         {message.nx_odom[i], message.ny_odom[i], message.nz_odom[i]},
+                         {message.red[i], message.green[i], message.blue[i]},
+                         message.weight[i],
+                         static_cast<uint32_t>(message.pose_sequence[i])};
+  }
+  value.triangles.resize(static_cast<size_t>(message.triangle_count));
+  for (size_t i = 0; i < value.triangles.size(); ++i) {
+    value.triangles[i] = {static_cast<uint32_t>(message.a[i]), static_cast<uint32_t>(message.b[i]),
+                          static_cast<uint32_t>(message.c[i])};
+  }
+  return accept(std::move(value), slice);
+}
+
+std::vector<uint8_t> encode(const Keyframe& keyframe, int64_t message_sequence) {
+  check_valid(keyframe, message_sequence);
+  kintsugi::keyframe_t message{};
+  message.frame = keyframe.sequence;
+  pack(keyframe.T_odom_camera, message.T_odom_camera);
+  message.descriptor_size = keyframe.descriptor_size;
+  message.feature_count = wire_count(keyframe.u_px.size(), 64);
+  message.descriptor_bytes = wire_count(keyframe.descriptors.size(), 8);
+  message.thumbnail_bytes = wire_count(keyframe.thumbnail_jpeg.size(), 8);
+  message.u_px = keyframe.u_px;
+  message.v_px = keyframe.v_px;
+  pack(keyframe.p_camera, message.x_camera, message.y_camera, message.z_camera);
+  message.descriptors = keyframe.descriptors;
+  message.thumbnail_jpeg = keyframe.thumbnail_jpeg;
+  message.descriptor_type = keyframe.descriptor_type;
+  return seal(message, kKeyframeLayout, message_sequence, keyframe.timestamp_us);
+}
+
+DecodeStatus decode(std::span<const uint8_t> bytes, Keyframe& keyframe) {
+  kintsugi::keyframe_t message{};
+  if (const DecodeStatus status = open(bytes, kKeyframeLayout, message); status != DecodeStatus::kOk)
+    return status;
+  Keyframe value;
+  value.sequence = message.frame;
+  value.timestamp_us = message.header.timestamp_us;
+  value.T_odom_camera = unpack_pose(message.T_odom_camera);
+  value.descriptor_type = std::move(message.descriptor_type);
+  value.descriptor_size = message.descriptor_size;
+  value.u_px = std::move(message.u_px);
+  value.v_px = std::move(message.v_px);
+  value.p_camera = unpack_points(message.x_camera, message.y_camera, message.z_camera);
+  value.descriptors = std::move(message.descriptors);
+  value.thumbnail_jpeg = std::move(message.thumbnail_jpeg);
+  return accept(std::move(value), keyframe);
+}
+
+std::vector<uint8_t> encode(const LoopClosure& loop, int64_t message_sequence) {
+  check_valid(loop, message_sequence);
+  kintsugi::loop_closure_t message{};
+  message.candidate = loop.sequence;
+  message.from_frame = loop.from;
+  message.to_frame = loop.to;
+  pack(loop.T_from_to, message.T_from_to);
+  pack(loop.information, message.information);
+  message.accepted = loop.accepted;
+  message.inlier_count = wire_count(loop.p_from.size(), 24);
+  pack(loop.p_from, message.from_x, message.from_y, message.from_z);
+  pack(loop.p_to, message.to_x, message.to_y, message.to_z);
+  message.reason = loop.reason;
+  return seal(message, kLoopLayout, message_sequence, loop.timestamp_us);
+}
+
+DecodeStatus decode(std::span<const uint8_t> bytes, LoopClosure& loop) {
+  kintsugi::loop_closure_t message{};
+  if (const DecodeStatus status = open(bytes, kLoopLayout, message); status != DecodeStatus::kOk)
+    return status;
+  LoopClosure value;
+  value.sequence = message.candidate;
+  value.timestamp_us = message.header.timestamp_us;
+  value.from = message.from_frame;
+  value.to = message.to_frame;
+  value.T_from_to = unpack_pose(message.T_from_to);
+  value.information = unpack_information(message.information);
+  value.accepted = message.accepted != 0;
+  value.reason = std::move(message.reason);
+  value.p_from = unpack_points(message.from_x, message.from_y, message.from_z);
+  value.p_to = unpack_points(message.to_x, message.to_y, message.to_z);
+  return accept(std::move(value), loop);
+}
+
+std::vector<uint8_t> encode(const MissionStatus& status, int64_t message_sequence) {
+  check_valid(status, message_sequence);
+  kintsugi::status_t message{};
+  message.status = status.sequence;
+  message.frames = status.frames;
+  message.frames_good = status.frames_good;
+  message.frames_uncertain = status.frames_uncertain;
+  message.frames_lost = status.frames_lost;
+  message.frames_skipped = status.frames_skipped;
+  message.slices = status.slices;
+  message.slice_vertices = status.slice_vertices;
+  message.slice_triangles = status.slice_triangles;
+  message.volume_origin_voxel[0] = status.volume_origin_voxel.x;
+  message.volume_origin_voxel[1] = status.volume_origin_voxel.y;
+  message.volume_origin_voxel[2] = status.volume_origin_voxel.z;
+  message.tracking = static_cast<int8_t>(status.tracking);
+  return seal(message, kStatusLayout, message_sequence, status.timestamp_us);
+}
+
+DecodeStatus decode(std::span<const uint8_t> bytes, MissionStatus& status) {
+  kintsugi::status_t message{};
+  if (const DecodeStatus result = open(bytes, kStatusLayout, message); result != DecodeStatus::kOk)
+    return result;
+  MissionStatus value;
+  value.sequence = message.status;
+  value.timestamp_us = message.header.timestamp_us;
+  value.frames = message.frames;
+  value.frames_good = message.frames_good;
+  value.frames_uncertain = message.frames_uncertain;
+  value.frames_lost = message.frames_lost;
+  value.frames_skipped = message.frames_skipped;
+  value.slices = message.slices;
+  value.slice_vertices = message.slice_vertices;
+  value.slice_triangles = message.slice_triangles;
+  value.volume_origin_voxel = {message.volume_origin_voxel[0], message.volume_origin_voxel[1],
+                               message.volume_origin_voxel[2]};
+  value.tracking = static_cast<TrackingStatus>(message.tracking);
+  return accept(std::move(value), status);
+}
+
+std::vector<uint8_t> encode(const CompressedFrame& frame, int64_t message_sequence) {
+  check_valid(frame, message_sequence);
+  kintsugi::rgbd_frame_t message{};
+  message.frame = frame.sequence;
+  message.colour_timestamp_us = frame.colour_timestamp_us;
+  message.depth_bytes = wire_count(frame.depth_png.size(), 1);
+  message.colour_bytes = wire_count(frame.colour.size(), 1);
+  message.depth_png = frame.depth_png;
+  message.colour = frame.colour;
+  return seal(message, kFrameLayout, message_sequence, frame.timestamp_us);
+}
+
+DecodeStatus decode(std::span<const uint8_t> bytes, CompressedFrame& frame) {
+  kintsugi::rgbd_frame_t message{};
+  if (const DecodeStatus status = open(bytes, kFrameLayout, message); status != DecodeStatus::kOk)
+    return status;
+  return accept(CompressedFrame{message.frame, message.header.timestamp_us, message.colour_timestamp_us,
+                                std::move(message.depth_png), std::move(message.colour)},
+                frame);
+}
+
+}  // namespace kt

@@ -1,0 +1,102 @@
+// Appends LCM events to a file, each with one writev.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/uio.h>
+#include <system_error>
+#include <unistd.h>
+
+#include "shared/core/check.h"
+#include "shared/wire/codec.h"
+#include "shared/wire/event_log.h"
+#include "shared/wire/event_log_format.h"
+#include "shared/wire/message_layout.h"
+
+namespace kt {
+namespace {
+
+std::string reason(int error_number) { return std::generic_category().message(error_number); }
+
+// Writes every byte of `parts`, in one system call unless the system takes them piecemeal; false with errno
+// set.
+bool write_all(int file, std::span<iovec> parts) {
+  while (!parts.empty()) {
+    const ssize_t written = ::writev(file, parts.data(), static_cast<int>(parts.size()));
+    if (written < 0) {
+      if (errno == EINTR) continue;
+      return false;
+    }
+    auto left = static_cast<size_t>(written);
+    while (!parts.empty() && left >= parts.front().iov_len) {
+      left -= parts.front().iov_len;
+      parts = parts.subspan(1);
+    }
+    if (parts.empty()) break;
+    parts.front().iov_base = static_cast<char*>(parts.front().iov_base) + left;
+    parts.front().iov_len -= left;
+  }
+  return true;
+}
+
+}  // namespace
+
+EventLogWriter::EventLogWriter(std::filesystem::path path, bool overwrite) : path_(std::move(path)) {
+  constexpr int kFlags = O_WRONLY | O_CREAT | O_CLOEXEC;
+  file_ = ::open(path_.c_str(), kFlags | O_EXCL, 0666);
+  if (file_ < 0 && errno == EEXIST) {
+    std::error_code ignored;
+    if (!overwrite && std::filesystem::is_regular_file(path_, ignored)) {
+      throw Error(path_.string() + " exists: name another log file, or ask for it to be overwritten");
+    }
+    file_ = ::open(path_.c_str(), kFlags | O_TRUNC, 0666);
+  }
+  if (file_ < 0) {
+    throw Error("cannot create the log " + path_.string() + ": " + reason(errno) +
+                "; its folder must exist and be writable");
+  }
+}
+
+EventLogWriter::~EventLogWriter() {
+  if (file_ >= 0) ::close(file_);
+}
+
+void EventLogWriter::write(std::string_view channel, int64_t timestamp_us, std::span<const uint8_t> data) {
+  KT_CHECK(file_ >= 0, "the log is closed");
+  KT_CHECK(!channel.empty() && channel.size() <= kMaxChannelBytes && data.size() <= kMaxMessageBytes);
+  if (!failure_.empty()) throw Error(failure_);
+
+  uint8_t header[kEventHeaderBytes];
+  store_int32(static_cast<int32_t>(kSyncWord), header);
+  store_int64(event_count_, header + kEventNumberOffset);
+  store_int64(timestamp_us, header + kEventTimeOffset);
+  store_int32(static_cast<int32_t>(channel.size()), header + kChannelLengthOffset);
+  store_int32(static_cast<int32_t>(data.size()), header + kDataLengthOffset);
+  iovec parts[] = {{header, sizeof(header)},
+                   {const_cast<char*>(channel.data()), channel.size()},
+                   {const_cast<uint8_t*>(data.data()), data.size()}};
+  if (!write_all(file_, parts)) fail(errno);
+  ++event_count_;
+  byte_count_ += static_cast<int64_t>(sizeof(header) + channel.size() + data.size());
+}
+
+void EventLogWriter::fail(int error_number) {
+  // Cut off a half-written event; where that cannot be done (a device) readers skip it.
+  [[maybe_unused]] const int ignored = ::ftruncate(file_, byte_count_);
+  failure_ = "cannot write to the log " + path_.string() + ": " + reason(error_number) + "; the " +
+             std::to_string(event_count_) +
+             " events written before are intact. Free space or name a file on another disk";
+  throw Error(failure_);
+}
+
+void EventLogWriter::close() {
+  if (file_ < 0) return;
+  const int file = std::exchange(file_, -1);
+  if (::close(file) != 0 && errno != EINTR) {
+    throw Error("cannot finish the log " + path_.string() + ": " + reason(errno) +
+                "; its last events may be lost");
+  }
+}
+
+}  // namespace kt

@@ -1,0 +1,83 @@
+// Events to messages, with the book-keeping of what was lost on the way.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/wire/message_reader.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "shared/core/check.h"
+#include "shared/wire/codec.h"
+
+namespace kt {
+namespace {
+
+template <size_t Index = 0>
+DecodeStatus decode_channel(size_t channel, std::span<const uint8_t> bytes, Message& message) {
+  if constexpr (Index < kChannels.size()) {
+    if (channel == Index) return decode(bytes, message.emplace<Index>());
+    return decode_channel<Index + 1>(channel, bytes, message);
+  } else {
+    return DecodeStatus::kWrongType;
+  }
+}
+
+}  // namespace
+
+MessageReader::MessageReader(EventLogReader events) : events_(std::move(events)) {}
+
+void check_format_version(const SessionHeader& header, const std::string& name) {
+  if (header.format_version > SessionHeader::kFormatVersion) {
+    throw Error(name + " has log format " + std::to_string(header.format_version) + " (written by Kintsugi " +
+                header.program_version + "), this program reads up to " +
+                std::to_string(SessionHeader::kFormatVersion) + ": use a newer Kintsugi");
+  }
+}
+
+std::optional<Message> MessageReader::next() {
+  while (const std::optional<LogEvent> event = events_.next()) {
+    const auto channel = static_cast<size_t>(std::find(kChannels.begin(), kChannels.end(), event->channel) -
+                                             kChannels.begin());
+    if (channel == kChannels.size()) {
+      // Nothing vouches for its length but an event right behind it.
+      if (events_.is_followed_by_event()) {
+        ++unknown_events_;
+      } else {
+        events_.reject();
+      }
+      continue;
+    }
+    Message message;
+    const bool intact = skipped_[channel]
+                            ? has_valid_checksum(event->data)
+                            : decode_channel(channel, event->data, message) == DecodeStatus::kOk;
+    if (!intact) {
+      events_.reject();
+      continue;
+    }
+    const MessageStamp stamp = stamp_of(event->data);
+    ChannelCount& count = channels_[channel];
+    if (count.messages == 0) count.first_us = stamp.timestamp_us;
+    count.last_us = stamp.timestamp_us;
+    ++count.messages;
+    count.bytes += static_cast<int64_t>(event->data.size());
+    int64_t& expected = next_sequence_[channel];
+    if (stamp.sequence > expected) {
+      count.missing += std::min(stamp.sequence - expected, INT64_MAX - count.missing);
+    }
+    expected = stamp.sequence == INT64_MAX ? INT64_MAX : stamp.sequence + 1;
+    if (!skipped_[channel]) return message;
+  }
+  return {};
+}
+
+LogIntegrity MessageReader::integrity() const {
+  LogIntegrity integrity = events_.integrity();
+  integrity.unknown_events = unknown_events_;
+  for (const ChannelCount& count : channels_) {
+    integrity.missing_messages += std::min(count.missing, INT64_MAX - integrity.missing_messages);
+  }
+  return integrity;
+}
+
+}  // namespace kt

@@ -1,0 +1,58 @@
+// Reads the typed messages of a log: events, checksums, decoding and sequence numbers together.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "shared/wire/channels.h"
+#include "shared/wire/event_log.h"
+
+namespace kt {
+
+class MessageReader {
+ public:
+  /// Throws kt::Error as EventLogReader does.
+  explicit MessageReader(const std::filesystem::path& path) : MessageReader(EventLogReader(path)) {}
+  explicit MessageReader(EventLogReader events);
+
+  /// Leaves out the messages of type T from now on: checked and counted, but neither decoded nor returned.
+  template <typename T>
+  void skip() {
+    skipped_[message_index<T>()] = true;
+  }
+
+  /// The next intact message, or nothing at the end. Damaged and unknown events are counted and passed over.
+  std::optional<Message> next();
+
+  /// Events, damage and gaps so far.
+  LogIntegrity integrity() const;
+
+  /// What one channel holds so far.
+  struct ChannelCount {
+    int64_t messages = 0, bytes = 0;    ///< intact ones, skipped types included
+    int64_t missing = 0;                ///< gaps in the sequence numbers
+    int64_t first_us = 0, last_us = 0;  ///< stamps of the first and last message
+  };
+  /// In the order of kChannels.
+  const std::array<ChannelCount, kChannels.size()>& channels() const { return channels_; }
+
+  /// Bytes read so far, and in all: for progress.
+  int64_t position() const { return events_.position(); }
+  int64_t size() const { return events_.size(); }
+
+ private:
+  EventLogReader events_;
+  int64_t unknown_events_ = 0;
+  std::array<bool, kChannels.size()> skipped_{};
+  std::array<int64_t, kChannels.size()> next_sequence_{};
+  std::array<ChannelCount, kChannels.size()> channels_{};
+};
+
+/// Throws kt::Error naming the log `name` where its format is newer than this program: for whoever reads a
+/// session event.
+void check_format_version(const SessionHeader& header, const std::string& name);
+
+}  // namespace kt

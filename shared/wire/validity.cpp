@@ -1,0 +1,124 @@
+// Ranges of every field that travels.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/wire/validity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+namespace kt {
+namespace {
+
+constexpr int64_t kMaxCount = int64_t{1} << 60;  // far beyond any mission, and sums of it do not overflow
+constexpr float kMaxCoordinate_m = 1e6f;
+constexpr int kMaxDescriptorBytes = 4096;
+
+using enum DecodeStatus;
+
+bool in_range(int64_t value, int64_t low, int64_t high) { return low <= value && value <= high; }
+bool is_count(int64_t value) { return in_range(value, 0, kMaxCount); }
+bool is_stamp(int64_t timestamp_us) { return in_range(timestamp_us, -kMaxCount, kMaxCount); }
+bool is_text(const std::string& text) { return text.find('\0') == std::string::npos; }
+
+bool is_finite(Vec3f p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+bool is_near(Vec3f p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kMaxCoordinate_m; }
+
+// The first status that is not kOk.
+DecodeStatus first_of(std::initializer_list<DecodeStatus> all) {
+  for (const DecodeStatus status : all) {
+    if (status != kOk) return status;
+  }
+  return kOk;
+}
+
+DecodeStatus check_pose(const Pose& T) {
+  if (!T.matrix().allFinite()) return kNotFinite;
+  const bool near = T.translation().cwiseAbs().maxCoeff() <= static_cast<double>(kMaxCoordinate_m);
+  return near && is_valid_pose(T) ? kOk : kOutOfRange;
+}
+
+DecodeStatus check_information(const Matrix6d& information) {
+  if (!information.allFinite()) return kNotFinite;
+  return information.diagonal().minCoeff() >= 0 ? kOk : kOutOfRange;
+}
+
+DecodeStatus check_points(const std::vector<Vec3f>& points) {
+  if (!std::all_of(points.begin(), points.end(), is_finite)) return kNotFinite;
+  return std::all_of(points.begin(), points.end(), is_near) ? kOk : kOutOfRange;
+}
+
+DecodeStatus check_pixels(const std::vector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); }) ? kOk
+                                                                                             : kNotFinite;
+}
+
+}  // namespace
+
+DecodeStatus validity(const SessionHeader& session) {
+  const bool sane = session.format_version >= 1 && is_stamp(session.timestamp_us) &&
+                    is_text(session.calibration.name) && is_text(session.program_version) &&
+                    is_text(session.configuration_yaml);
+  return sane && session.calibration.problem().empty() ? kOk : kOutOfRange;
+}
+
+DecodeStatus validity(const StampedPose& pose) {
+  if (!is_count(pose.sequence) || !is_stamp(pose.timestamp_us)) return kOutOfRange;
+  if (pose.status > TrackingStatus::kLost) return kOutOfRange;
+  return first_of({check_pose(pose.T_odom_camera), check_information(pose.information)});
+}
+
+DecodeStatus validity(const CloudSlice& slice) {
+  if (!is_count(slice.sequence) || !is_stamp(slice.timestamp_us)) return kOutOfRange;
+  if (!std::isfinite(slice.voxel_size_m)) return kNotFinite;
+  if (slice.voxel_size_m <= 0 || slice.voxel_size_m > 100) return kOutOfRange;
+  for (size_t i = 0; i < slice.vertices.size(); ++i) {
+    const SliceVertex& vertex = slice.vertices[i];
+    if (!is_finite(vertex.p_odom) || !is_finite(vertex.n_odom) || !std::isfinite(vertex.weight))
+      return kNotFinite;
+    if (!is_near(vertex.p_odom) || !is_near(vertex.n_odom) || vertex.weight < 0) return kOutOfRange;
+    if (vertex.key.axis() > 2 || (i > 0 && slice.vertices[i - 1].key >= vertex.key)) return kOutOfRange;
+  }
+  for (const auto& [a, b, c] : slice.triangles) {
+    if (std::max({a, b, c}) >= slice.vertices.size()) return kOutOfRange;
+  }
+  return check_pose(slice.T_odom_camera);
+}
+
+DecodeStatus validity(const Keyframe& keyframe) {
+  const size_t count = keyframe.u_px.size();
+  if (!is_count(keyframe.sequence) || !is_stamp(keyframe.timestamp_us) ||
+      !is_text(keyframe.descriptor_type)) {
+    return kOutOfRange;
+  }
+  if (keyframe.descriptor_size < 0 || keyframe.descriptor_size > kMaxDescriptorBytes) return kOutOfRange;
+  if (keyframe.v_px.size() != count || keyframe.p_camera.size() != count) return kOutOfRange;
+  if (keyframe.descriptors.size() != count * static_cast<size_t>(keyframe.descriptor_size))
+    return kOutOfRange;
+  return first_of({check_pose(keyframe.T_odom_camera), check_pixels(keyframe.u_px),
+                   check_pixels(keyframe.v_px), check_points(keyframe.p_camera)});
+}
+
+DecodeStatus validity(const LoopClosure& loop) {
+  if (!is_count(loop.sequence) || !is_stamp(loop.timestamp_us) || !is_text(loop.reason)) return kOutOfRange;
+  if (!is_count(loop.from) || !is_count(loop.to) || loop.from >= loop.to) return kOutOfRange;
+  if (loop.p_from.size() != loop.p_to.size()) return kOutOfRange;
+  return first_of({check_pose(loop.T_from_to), check_information(loop.information), check_points(loop.p_from),
+                   check_points(loop.p_to)});
+}
+
+DecodeStatus validity(const MissionStatus& status) {
+  const bool sane = is_count(status.sequence) && is_stamp(status.timestamp_us) && is_count(status.frames) &&
+                    is_count(status.frames_good) && is_count(status.frames_uncertain) &&
+                    is_count(status.frames_lost) && is_count(status.frames_skipped) &&
+                    is_count(status.slices) && is_count(status.slice_vertices) &&
+                    is_count(status.slice_triangles);
+  return sane && status.tracking <= TrackingStatus::kLost ? kOk : kOutOfRange;
+}
+
+DecodeStatus validity(const CompressedFrame& frame) {
+  const bool sane =
+      is_count(frame.sequence) && is_stamp(frame.timestamp_us) && is_stamp(frame.colour_timestamp_us);
+  return sane && !frame.depth_png.empty() ? kOk : kOutOfRange;
+}
+
+}  // namespace kt
