@@ -1,0 +1,57 @@
+// The onboard pipeline: one frame in; pose, cloud slices and status out.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "onboard/app/collector_config.h"
+#include "onboard/app/stage_clock.h"
+#include "onboard/publish/message_sink.h"
+#include "shared/types/session.h"
+
+namespace kt {
+
+/// What became of one frame.
+struct FrameReport {
+  StampedPose pose;
+  TrackResult track;     ///< of the first frame: zero but for status and pose
+  bool shifted = false;  ///< the volume moved
+};
+
+class Collector {
+ public:
+  /// Publishes to `sink`, which must outlive the collector. Throws kt::Error as the stages do.
+  Collector(const exec::Device& device, const Calibration& calibration, const CollectorConfig& config,
+            MessageSink& sink);
+
+  /// Tracks and fuses one frame. Frames must come in order of their time stamps and fit the calibration.
+  FrameReport process(const RgbdFrame& frame);
+
+  /// Publishes what is left in the volume and the last status. Call once, after the last frame.
+  void finish();
+
+  /// Counts a frame that the source could not deliver.
+  void count_skipped_frame() { ++status_.frames_skipped; }
+
+  const MissionStatus& status() const { return status_; }
+  const StageClock& clock() const { return clock_; }
+  void reset_clock() { clock_ = {}; }
+
+ private:
+  TrackResult track(const FrameMaps& maps);
+  void publish_pose(const RgbdFrame& frame, const TrackResult& track, FrameReport* report);
+  void publish_slice(CloudSlice slice, int64_t timestamp_us);
+  void publish_status();
+
+  MessageSink& sink_;
+  Preprocessor preprocessor_;
+  Tracker tracker_;
+  TsdfVolume volume_;
+  const ModelView* model_ = nullptr;     // null before the first fused frame
+  Pose T_odom_last_ = Pose::Identity();  // last pose published
+  Pose T_last_next_ = Pose::Identity();  // motion that the next frame is expected to repeat
+  MissionStatus status_;
+  StageClock clock_;
+};
+
+}  // namespace kt

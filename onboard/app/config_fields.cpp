@@ -1,0 +1,151 @@
+// Names, ranges and help of the collector's configuration, and its YAML form.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/app/config_fields.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "yaml-cpp/yaml.h"
+
+#include "shared/core/check.h"
+
+namespace kt {
+namespace {
+
+std::string number_text(double value) {
+  char buffer[32];
+  const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value);
+  return {buffer, end.ptr};
+}
+
+// Both ends of a name: section and field.
+std::pair<std::string, std::string> split_name(const std::string& name) {
+  const size_t dot = name.find('.');
+  return {name.substr(0, dot), dot == std::string::npos ? "" : name.substr(dot + 1)};
+}
+
+void assign(const ConfigField& field, const std::string& text, const std::string& origin) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool is_number = error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+  const bool is_integer_field = std::holds_alternative<int*>(field.value);
+  if (!is_number || value < field.low || value > field.high ||
+      (is_integer_field && value != std::floor(value))) {
+    throw Error(origin + ": " + field.name + " must be " + (is_integer_field ? "an integer" : "a number") +
+                " in [" + number_text(field.low) + ", " + number_text(field.high) + "], got '" + text + "'");
+  }
+  if (is_integer_field) {
+    *std::get<int*>(field.value) = static_cast<int>(value);
+  } else {
+    *std::get<double*>(field.value) = value;
+  }
+}
+
+void assign_by_name(CollectorConfig& config, const std::string& name, const std::string& text,
+                    const std::string& origin) {
+  std::string known;
+  for (const ConfigField& field : config_fields(config)) {
+    if (field.name == name) return assign(field, text, origin);
+    known += "\n  " + field.name;
+  }
+  throw Error(origin + ": unknown field '" + name + "'; the fields are" + known);
+}
+
+}  // namespace
+
+std::string ConfigField::text() const {
+  if (const auto* integer = std::get_if<int*>(&value)) return std::to_string(**integer);
+  return number_text(*std::get<double*>(value));
+}
+
+std::vector<ConfigField> config_fields(CollectorConfig& c) {
+  return {
+      {"preprocess.depth_min_m", "nearer measurements are dropped (m)", 0.05, 10, &c.preprocess.depth_min_m},
+      {"preprocess.depth_max_m", "farther measurements are dropped (m)", 0.5, 100, &c.preprocess.depth_max_m},
+      {"preprocess.bilateral_sigma_px", "spatial scale of the bilateral filter (px)", 0.1, 10,
+       &c.preprocess.bilateral_sigma_px},
+      {"preprocess.bilateral_range_sigmas",
+       "range scale of the bilateral filter, in standard deviations of the depth noise", 0.5, 20,
+       &c.preprocess.bilateral_range_sigmas},
+      {"preprocess.max_view_angle_deg", "measurements seen at a more grazing angle are not fused (degrees)",
+       30, 89, &c.preprocess.max_view_angle_deg},
+      {"tracking.iterations_full", "ICP iterations at full resolution, at most", 0, 50,
+       &c.tracking.iterations[0]},
+      {"tracking.iterations_half", "ICP iterations at half resolution, at most", 0, 50,
+       &c.tracking.iterations[1]},
+      {"tracking.iterations_quarter", "ICP iterations at quarter resolution, at most", 1, 50,
+       &c.tracking.iterations[2]},
+      {"tracking.max_distance_m", "pairs of points farther apart do not count (m)", 0.005, 1,
+       &c.tracking.max_distance_m},
+      {"tracking.max_normal_angle_deg", "pairs whose normals differ more do not count (degrees)", 1, 89,
+       &c.tracking.max_normal_angle_deg},
+      {"tracking.robust_sigmas", "scale of the robust loss, in standard deviations of the depth noise", 0.5,
+       100, &c.tracking.robust_sigmas},
+      {"tracking.min_eigenvalue",
+       "directions that geometry constrains less than this are left to the motion model", 0, 1,
+       &c.tracking.min_eigenvalue},
+      {"tracking.min_inlier_share", "of the pixels on known surface: below, the pose is uncertain", 0, 1,
+       &c.tracking.min_inlier_share},
+      {"tracking.min_overlap", "share of measured pixels on known surface: below, the pose is uncertain", 0,
+       1, &c.tracking.min_overlap},
+      {"tracking.max_step_m", "motion between frames beyond which a pose is not believed (m)", 0.01, 10,
+       &c.tracking.max_step_m},
+      {"tracking.max_step_deg", "rotation between frames beyond which a pose is not believed (degrees)", 1,
+       180, &c.tracking.max_step_deg},
+      {"volume.resolution", "voxels per axis, a multiple of 32; memory is 12 bytes per voxel at most", 32,
+       2048, &c.volume.resolution},
+      {"volume.voxel_size_m", "edge of a voxel (m)", 0.001, 0.2, &c.volume.voxel_size_m},
+      {"volume.truncation_voxels", "truncation distance of the signed distance field (voxels)", 2, 20,
+       &c.volume.truncation_voxels},
+      {"volume.max_weight", "cap of the running average, in head-on views from 1 m", 1, 255,
+       &c.volume.max_weight},
+      {"volume.shift_distance_m", "the volume follows the camera after this distance (m)", 0.1, 20,
+       &c.volume.shift_distance_m},
+      {"volume.aim_distance_m", "the middle of the volume lies this far in front of the camera (m)", 0, 20,
+       &c.volume.aim_distance_m},
+      {"volume.min_slice_weight", "voxels observed less are not exported, in head-on views from 1 m", 0.01,
+       255, &c.volume.min_slice_weight},
+  };
+}
+
+void set_config_field(CollectorConfig& config, const std::string& assignment) {
+  const size_t equals = assignment.find('=');
+  if (equals == std::string::npos) throw Error("--set " + assignment + ": expected NAME=VALUE");
+  assign_by_name(config, assignment.substr(0, equals), assignment.substr(equals + 1), "--set");
+}
+
+void apply_config_yaml(CollectorConfig& config, const std::string& yaml, const std::string& origin) {
+  YAML::Node root;
+  try {
+    root = YAML::Load(yaml);
+  } catch (const YAML::Exception& e) {
+    throw Error(origin + ": not valid YAML: " + e.what());
+  }
+  if (root.IsNull()) return;
+  if (!root.IsMap()) throw Error(origin + ": expected sections like 'volume:' at the top level");
+  for (const auto& section : root) {
+    const auto name = section.first.as<std::string>("");
+    if (!section.second.IsMap())
+      throw Error(origin + ": section '" + name + "' must hold 'field: value' lines");
+    for (const auto& field : section.second) {
+      assign_by_name(config, name + "." + field.first.as<std::string>(""), field.second.as<std::string>(""),
+                     origin);
+    }
+  }
+}
+
+std::string config_to_yaml(const CollectorConfig& config, bool with_help) {
+  CollectorConfig copy = config;
+  std::string text, section;
+  for (const ConfigField& field : config_fields(copy)) {
+    const auto [field_section, name] = split_name(field.name);
+    if (field_section != section) text += field_section + ":\n";
+    section = field_section;
+    if (with_help)
+      text += "  # " + field.help + "; " + number_text(field.low) + " to " + number_text(field.high) + "\n";
+    text += "  " + name + ": " + field.text() + "\n";
+  }
+  return text;
+}
+
+}  // namespace kt

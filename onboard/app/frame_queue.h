@@ -1,0 +1,71 @@
+// A bounded queue between the thread that reads frames and the one that processes them.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "onboard/source/frame_source.h"
+
+namespace kt {
+
+/// Reads a source ahead on its own thread, at most `capacity` items; order and content are the source's.
+class FrameQueue {
+ public:
+  explicit FrameQueue(FrameSource& source, size_t capacity = 4)
+      : source_(source), capacity_(capacity), thread_([this] { read(); }) {}
+  ~FrameQueue() {
+    {
+      const std::lock_guard lock(mutex_);
+      stopping_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+  }
+
+  /// The next item; kEnd after the last, however often it is asked for; rethrows what the source threw.
+  SourceItem next() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !items_.empty() || failure_; });
+    if (items_.empty()) std::rethrow_exception(failure_);
+    if (items_.front().kind == SourceItem::Kind::kEnd) return items_.front();  // stays: the end has nothing behind it
+    SourceItem item = std::move(items_.front());
+    items_.pop_front();
+    changed_.notify_all();
+    return item;
+  }
+
+ private:
+  void read() {
+    try {
+      for (bool more = true; more;) {
+        SourceItem item = source_.next();
+        more = item.kind != SourceItem::Kind::kEnd;
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [this] { return items_.size() < capacity_ || stopping_; });
+        if (stopping_) return;
+        items_.push_back(std::move(item));
+        changed_.notify_all();
+      }
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      failure_ = std::current_exception();
+      changed_.notify_all();
+    }
+  }
+
+  FrameSource& source_;
+  const size_t capacity_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<SourceItem> items_;
+  bool stopping_ = false;
+  std::exception_ptr failure_;
+  std::thread thread_;  // last: it uses all of the above
+};
+
+}  // namespace kt

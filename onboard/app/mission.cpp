@@ -1,0 +1,60 @@
+// The mission's loop.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/app/mission.h"
+
+#include <chrono>
+#include <sys/resource.h>
+
+#include "onboard/app/config_fields.h"
+#include "onboard/app/frame_queue.h"
+#include "shared/core/version.h"
+
+namespace kt {
+namespace {
+
+constexpr size_t kReasonsKept = 5;
+
+double peak_memory_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+}  // namespace
+
+MissionSummary run_mission(FrameSource& source, MessageSink& sink, const MissionOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto stopped = [&] { return options.stop && options.stop->load(); };
+  MissionSummary summary;
+  Collector collector(options.device, source.calibration(), options.config, sink);
+  FrameQueue frames(source);
+  for (SourceItem item = frames.next(); item.kind != SourceItem::Kind::kEnd && !stopped();
+       item = frames.next()) {
+    if (item.kind == SourceItem::Kind::kSkipped) {
+      collector.count_skipped_frame();
+      if (summary.skip_reasons.size() < kReasonsKept) summary.skip_reasons.push_back(item.reason);
+      continue;
+    }
+    if (collector.status().frames == 0) {
+      sink.on_session({SessionHeader::kFormatVersion, item.frame.timestamp_us, kProgramVersion,
+                       config_to_yaml(options.config), source.calibration()});
+    }
+    collector.process(item.frame);
+    if (options.record_raw) sink.on_raw_frame(std::move(item.frame));
+    if (options.on_progress) options.on_progress(collector.status(), source.frame_count());
+  }
+  summary.interrupted = stopped();
+  if (collector.status().frames == 0 && !summary.interrupted) {
+    throw Error("no usable frame in the input: " +
+                (summary.skip_reasons.empty() ? "it holds none" : summary.skip_reasons.front()));
+  }
+  if (collector.status().frames > 0) collector.finish();
+  sink.close();
+  summary.status = collector.status();
+  summary.stage_times = collector.clock().times();
+  summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  summary.peak_memory_mib = peak_memory_mib();
+  return summary;
+}
+
+}  // namespace kt

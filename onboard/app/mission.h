@@ -1,0 +1,41 @@
+// Runs a mission: frames from a source through the collector into a log, until the source ends or the user
+// stops it.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "onboard/app/collector.h"
+#include "onboard/source/frame_source.h"
+
+namespace kt {
+
+/// What a mission came to, for the report at its end.
+struct MissionSummary {
+  MissionStatus status;
+  std::vector<std::string> skip_reasons;  ///< of the first few skipped frames
+  std::map<std::string, StageTimes> stage_times;
+  double seconds = 0;  ///< wall time
+  double peak_memory_mib = 0;
+  bool interrupted = false;  ///< `stop` ended it
+};
+
+struct MissionOptions {
+  CollectorConfig config;
+  exec::Device device;
+  bool record_raw = false;
+  const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: finish what is there and end
+  std::function<void(const MissionStatus&, int64_t frame_count)>
+      on_progress;  ///< after every frame; count -1 = unknown
+};
+
+/// The source is read on a thread of its own, some frames ahead; no frame is dropped. `sink` is closed on
+/// return. Throws kt::Error where the source ends before its first frame, and as source, collector and sink
+/// do; what was published before stays in the log.
+MissionSummary run_mission(FrameSource& source, MessageSink& sink, const MissionOptions& options);
+
+}  // namespace kt

@@ -1,0 +1,45 @@
+// Logarithmic histograms of durations.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/app/stage_clock.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kt {
+namespace {
+
+// Bin k holds durations around kShortestMs * kGrowth^k: 1 us to 20 min in 2,100 bins.
+constexpr double kShortestMs = 1e-3, kGrowth = 1.01;
+constexpr size_t kBins = 2100;
+
+double percentile(const std::vector<int64_t>& bins, int64_t count, double share) {
+  auto remaining = static_cast<int64_t>(std::ceil(share * static_cast<double>(count)));
+  for (size_t k = 0; k < bins.size(); ++k) {
+    remaining -= bins[k];
+    if (remaining <= 0) return kShortestMs * std::pow(kGrowth, static_cast<double>(k));
+  }
+  return 0;
+}
+
+}  // namespace
+
+void StageClock::add(const std::string& stage, double milliseconds) {
+  Histogram& histogram = stages_[stage];
+  histogram.bins.resize(kBins);
+  const double bin = std::log(std::max(milliseconds, kShortestMs) / kShortestMs) / std::log(kGrowth);
+  ++histogram.bins[std::min(kBins - 1, static_cast<size_t>(std::lround(bin)))];
+  histogram.max_ms = std::max(histogram.max_ms, milliseconds);
+  ++histogram.count;
+}
+
+std::map<std::string, StageTimes> StageClock::times() const {
+  std::map<std::string, StageTimes> result;
+  for (const auto& [stage, histogram] : stages_) {
+    result[stage] = {std::min(percentile(histogram.bins, histogram.count, 0.5), histogram.max_ms),
+                     std::min(percentile(histogram.bins, histogram.count, 0.95), histogram.max_ms),
+                     histogram.max_ms, histogram.count};
+  }
+  return result;
+}
+
+}  // namespace kt

@@ -1,0 +1,21 @@
+// CUDA instantiations of the fusion kernels.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/fusion/integrate_kernel.h"
+#include "onboard/fusion/raycast_kernel.h"
+#include "onboard/fusion/slice_kernel.h"
+#include "shared/exec/cuda_launch.cuh"
+
+KT_INSTANTIATE_FOR_EACH_PIXEL(kt::TileDepthRange);
+KT_INSTANTIATE_FOR_EACH(kt::SelectBrick);
+KT_INSTANTIATE_FOR_EACH(kt::FuseRow);
+KT_INSTANTIATE_FOR_EACH(kt::SummariseBrick);
+KT_INSTANTIATE_FOR_EACH(kt::SummariseBlock);
+KT_INSTANTIATE_FOR_EACH(kt::DilateBlock);
+KT_INSTANTIATE_FOR_EACH_PIXEL(kt::RaycastTile);
+KT_INSTANTIATE_FOR_EACH(kt::RaycastPixel);
+KT_INSTANTIATE_FOR_EACH(kt::SelectExportBrick);
+KT_INSTANTIATE_FOR_EACH(kt::CountSliceRow);
+KT_INSTANTIATE_FOR_EACH(kt::WriteSliceRow);
+KT_INSTANTIATE_FOR_EACH(kt::MarkFrozenRow);
+KT_INSTANTIATE_FOR_EACH(kt::FreezeRow);
+KT_INSTANTIATE_FOR_EACH(kt::ClearBrick);

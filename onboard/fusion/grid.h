@@ -1,0 +1,98 @@
+// Memory layout of the moving volume: voxels in bricks, bricks in a ring.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "shared/core/vec.h"
+
+namespace kt {
+
+/// Truncated signed distance and trust of one voxel.
+struct Voxel {
+  static constexpr float kDistanceUnits = 32767.0f;  ///< of one truncation distance
+  static constexpr float kWeightUnits = 128.0f;      ///< of weight 1 (one head-on view at 1 m)
+  static constexpr uint16_t kFrozen =
+      0x8000;  ///< flag: shared with an exported slice, must not change any more
+
+  int16_t distance = 0;
+  uint16_t weight_bits = 0;
+
+  /// In truncation distances, [-1, 1], positive in front of the surface.
+  KT_HOST_DEVICE float tsdf() const { return static_cast<float>(distance) / kDistanceUnits; }
+  KT_HOST_DEVICE int weight_units() const { return weight_bits & 0x7fff; }
+  KT_HOST_DEVICE float weight() const { return static_cast<float>(weight_units()) / kWeightUnits; }
+  KT_HOST_DEVICE bool is_frozen() const { return (weight_bits & kFrozen) != 0; }
+};
+static_assert(sizeof(Voxel) == 4);
+
+/// Mean colour of one voxel in 1/256 levels, and its weight as in Voxel.
+struct alignas(8) ColourVoxel {
+  uint16_t r = 0, g = 0, b = 0, weight_units = 0;
+};
+static_assert(sizeof(ColourVoxel) == 8);
+
+inline constexpr int kLog2BrickSide = 3;
+inline constexpr int kBrickSide = 1 << kLog2BrickSide;  // voxels
+inline constexpr int kBrickVoxels = 512;
+inline constexpr int kBlockSide = 4;  // bricks; volumes and shifts come in whole blocks
+inline constexpr int kBlockVoxels = kBrickSide * kBlockSide;
+
+enum BrickState : uint8_t {
+  kBrickEmpty = 0,     // never fused: all zero
+  kBrickObserved = 1,  // fused, but holds no voxel near a surface
+  kBrickSurface = 2,   // holds a voxel within the truncation distance of a surface
+};
+
+/// The volume as kernels see it. `local` coordinates count from the volume's lowest corner, `global` ones
+/// from the origin of the odom frame; voxel (i, j, k) has its centre at (i, j, k) * voxel_size_m.
+struct VolumeView {
+  Voxel* voxels = nullptr;
+  ColourVoxel* colours = nullptr;
+  uint8_t* brick_states = nullptr;      // BrickState by slot
+  uint8_t* block_states = nullptr;      // 1 where a block holds a surface brick, by block slot
+  uint32_t* brick_last_seen = nullptr;  // sequence of the frame that last saw a surface in the brick, by slot
+  int32_t bricks = 0;                   // per axis
+  Vec3i origin_brick;                   // global brick of the lowest corner, a multiple of kBlockSide
+  Vec3i ring_origin;                    // origin_brick modulo bricks
+  float voxel_size_m = 0, truncation_m = 0;
+
+  KT_HOST_DEVICE int voxels_per_axis() const { return bricks * kBrickSide; }
+  KT_HOST_DEVICE Vec3i origin_voxel() const {
+    return {origin_brick.x * kBrickSide, origin_brick.y * kBrickSide, origin_brick.z * kBrickSide};
+  }
+  KT_HOST_DEVICE int wrap(int ring) const { return ring >= bricks ? ring - bricks : ring; }
+  /// Brick of a voxel.
+  KT_HOST_DEVICE static Vec3i brick_of(Vec3i v) {
+    return {v.x >> kLog2BrickSide, v.y >> kLog2BrickSide, v.z >> kLog2BrickSide};
+  }
+  /// Slot of a local brick.
+  KT_HOST_DEVICE int64_t slot(Vec3i b) const {
+    return (int64_t{wrap(b.z + ring_origin.z)} * bricks + wrap(b.y + ring_origin.y)) * bricks +
+           wrap(b.x + ring_origin.x);
+  }
+  /// Local brick of a slot.
+  KT_HOST_DEVICE Vec3i brick(int64_t slot) const {
+    const int rx = static_cast<int>(slot % bricks), ry = static_cast<int>(slot / bricks % bricks),
+              rz = static_cast<int>(slot / bricks / bricks);
+    const int x = rx - ring_origin.x, y = ry - ring_origin.y, z = rz - ring_origin.z;
+    return {x < 0 ? x + bricks : x, y < 0 ? y + bricks : y, z < 0 ? z + bricks : z};
+  }
+  KT_HOST_DEVICE int64_t block_slot(Vec3i b) const {
+    const int blocks = bricks / kBlockSide;
+    return (int64_t{wrap(b.z + ring_origin.z) / kBlockSide} * blocks +
+            wrap(b.y + ring_origin.y) / kBlockSide) *
+               blocks +
+           wrap(b.x + ring_origin.x) / kBlockSide;
+  }
+  /// Index of a local voxel; it must lie inside.
+  KT_HOST_DEVICE int64_t index(Vec3i v) const {
+    return slot(brick_of(v)) * kBrickVoxels + ((v.z & 7) * kBrickSide + (v.y & 7)) * kBrickSide + (v.x & 7);
+  }
+  KT_HOST_DEVICE bool contains(Vec3i v) const {
+    const auto n = static_cast<uint32_t>(voxels_per_axis());
+    return static_cast<uint32_t>(v.x) < n && static_cast<uint32_t>(v.y) < n && static_cast<uint32_t>(v.z) < n;
+  }
+};
+
+}  // namespace kt

@@ -1,0 +1,188 @@
+// Host side of the volume: which kernels run on which bricks, and where the volume stands.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/fusion/tsdf_volume.h"
+
+#include <cmath>
+#include <string>
+
+#include "onboard/fusion/raycast_kernel.h"
+#include "shared/core/digest.h"
+#include "shared/exec/compact.h"
+#include "shared/exec/for_each.h"
+
+namespace kt {
+namespace {
+
+int64_t cube(int64_t n) { return n * n * n; }
+
+int checked_bricks(const VolumeConfig& config) {
+  if (config.resolution < kBlockVoxels || config.resolution > 2048 || config.resolution % kBlockVoxels != 0) {
+    throw Error("volume.resolution must be a multiple of 32 between 32 and 2048, got " +
+                std::to_string(config.resolution));
+  }
+  return config.resolution / kBrickSide;
+}
+
+int tiles_across(int pixels, int side) { return (pixels + side - 1) / side; }
+
+int modulo(int a, int n) { return (a % n + n) % n; }
+
+}  // namespace
+
+TsdfVolume::TsdfVolume(const exec::Device& device, const PinholeParams& camera, const VolumeConfig& config)
+    : device_(device),
+      camera_(camera),
+      config_(config),
+      bricks_(checked_bricks(config)),
+      voxels_(device, cube(config.resolution)),
+      colours_(device, cube(config.resolution)),
+      brick_states_(device, cube(bricks_)),
+      block_states_(device, cube(bricks_ / kBlockSide)),
+      brick_last_seen_(device, cube(bricks_)),
+      tiles_(device, int64_t{tiles_across(camera.width, kTileSide)} * tiles_across(camera.height, kTileSide)),
+      selected_(device, cube(bricks_)),
+      slots_(device, cube(bricks_)),
+      row_has_surface_(device, cube(bricks_) * kBrickSide * kBrickSide),
+      near_surface_(device, cube(bricks_)),
+      ray_stretches_(device, int64_t{tiles_across(camera.width, kRayTileSide)} *
+                                 tiles_across(camera.height, kRayTileSide)),
+      model_view_{
+          camera.half(), Pose::Identity(), {device, camera.pixel_count()}, {device, camera.pixel_count()}},
+      extractor_(device, cube(bricks_)) {}
+
+VolumeView TsdfVolume::view() const {
+  // Kernels take mutable pointers; const methods only read through them.
+  auto& self = const_cast<TsdfVolume&>(*this);
+  return {
+      self.voxels_.data(),
+      self.colours_.data(),
+      self.brick_states_.data(),
+      self.block_states_.data(),
+      self.brick_last_seen_.data(),
+      bricks_,
+      origin_brick_,
+      {modulo(origin_brick_.x, bricks_), modulo(origin_brick_.y, bricks_), modulo(origin_brick_.z, bricks_)},
+      static_cast<float>(config_.voxel_size_m),
+      static_cast<float>(config_.truncation_voxels * config_.voxel_size_m)};
+}
+
+Pose TsdfVolume::T_volume_odom() const {
+  const double brick_m = kBrickSide * config_.voxel_size_m;
+  Pose T = Pose::Identity();
+  T.translation() = -brick_m * Eigen::Vector3d(origin_brick_.x, origin_brick_.y, origin_brick_.z);
+  return T;
+}
+
+void TsdfVolume::integrate(const FrameMaps& maps, const Pose& T_odom_camera, int64_t frame_sequence) {
+  const VolumeView volume = view();
+  const Rigid3f T_camera_volume = to_rigid3f((T_volume_odom() * T_odom_camera).inverse());
+  exec::for_each_pixel(
+      device_, tiles_across(camera_.width, kTileSide), tiles_across(camera_.height, kTileSide),
+      TileDepthRange{maps.fusion_pixels.data(), camera_.width, camera_.height, tiles_.data()});
+  exec::for_each(device_, brick_states_.size(),
+                 SelectBrick{volume, camera_, T_camera_volume, tiles_.data(), selected_.data()});
+  const int64_t bricks = exec::compact_flags(device_, selected_.data(), selected_.size(), slots_.data());
+  exec::for_each(
+      device_, bricks * kBrickSide * kBrickSide,
+      FuseRow{volume, camera_, T_camera_volume, slots_.data(), maps.fusion_pixels.data(),
+              static_cast<float>(config_.max_weight) * Voxel::kWeightUnits, row_has_surface_.data()});
+  exec::for_each(
+      device_, bricks,
+      SummariseBrick{volume, slots_.data(), row_has_surface_.data(), static_cast<uint32_t>(frame_sequence)});
+  exec::for_each(device_, block_states_.size(), SummariseBlock{volume});
+}
+
+const ModelView& TsdfVolume::raycast(const Pose& T_odom_camera) {
+  model_view_.T_odom_camera = T_odom_camera;
+  const VolumeView volume = view();
+  const Rigid3f T_volume_camera = to_rigid3f(T_volume_odom() * T_odom_camera);
+  constexpr float kNearestM = 0.1f, kFarthestM = 100.0f;  // the volume ends sooner
+  exec::for_each(device_, block_states_.size(), DilateBlock{volume, near_surface_.data()});
+  const PinholeParams& camera = model_view_.camera;
+  exec::for_each_pixel(device_, tiles_across(camera.width, kRayTileSide),
+                       tiles_across(camera.height, kRayTileSide),
+                       RaycastTile{volume, near_surface_.data(), camera, T_volume_camera, kNearestM,
+                                   kFarthestM, ray_stretches_.data()});
+  exec::for_each(device_, RaycastPixel::element_count(camera),
+                 RaycastPixel{{volume},
+                              camera,
+                              T_volume_camera,
+                              kNearestM,
+                              kFarthestM,
+                              ray_stretches_.data(),
+                              model_view_.points.data(),
+                              model_view_.normals.data()});
+  return model_view_;
+}
+
+Vec3i TsdfVolume::wanted_origin_brick(const Pose& T_odom_camera) const {
+  const Eigen::Vector3d aim = T_odom_camera * Eigen::Vector3d(0, 0, config_.aim_distance_m);
+  const double block_m = kBlockVoxels * config_.voxel_size_m;
+  const Eigen::Vector3d low = aim.array() - 0.5 * config_.resolution * config_.voxel_size_m;
+  // An axis stays where it is unless it is off by more than rounding can be: one that hardly moves must not
+  // go to and fro between two blocks, for each return would export the same place once more.
+  const auto brick = [&](double coordinate_m, int current) {
+    constexpr double kStaysWithin = 0.75;
+    const double blocks = coordinate_m / block_m;
+    const bool stays =
+        placed_ && std::abs(blocks - static_cast<double>(current) / kBlockSide) <= kStaysWithin;
+    return stays ? current : kBlockSide * static_cast<int>(std::lround(blocks));
+  };
+  return {brick(low.x(), origin_brick_.x), brick(low.y(), origin_brick_.y), brick(low.z(), origin_brick_.z)};
+}
+
+std::optional<CloudSlice> TsdfVolume::follow(const Pose& T_odom_camera) {
+  const Vec3i wanted = wanted_origin_brick(T_odom_camera);
+  if (!placed_) {
+    origin_brick_ = wanted;
+    placed_ = true;
+    return std::nullopt;
+  }
+  const Eigen::Vector3d aim = T_odom_camera * Eigen::Vector3d(0, 0, config_.aim_distance_m);
+  const Eigen::Vector3d centre =
+      T_volume_odom().inverse() * Eigen::Vector3d::Constant(0.5 * config_.resolution * config_.voxel_size_m);
+  if ((aim - centre).norm() < config_.shift_distance_m || wanted == origin_brick_) return std::nullopt;
+
+  const Vec3i low{wanted.x * kBrickSide, wanted.y * kBrickSide, wanted.z * kBrickSide};
+  const VoxelBounds after{low, low + Vec3i{config_.resolution, config_.resolution, config_.resolution}};
+  CloudSlice slice = extractor_.extract(
+      {view(), after, static_cast<int32_t>(std::lround(config_.min_slice_weight * Voxel::kWeightUnits))});
+  slice.T_odom_camera = T_odom_camera;
+  give_back_outside(after);
+  origin_brick_ = wanted;
+  exec::for_each(device_, block_states_.size(), SummariseBlock{view()});
+  return slice;
+}
+
+void TsdfVolume::give_back_outside(const VoxelBounds& after) {
+  const VolumeView volume = view();
+  const auto leaves = [&](Vec3i b) {
+    return !after.contains(volume.origin_voxel() +
+                           Vec3i{b.x * kBrickSide, b.y * kBrickSide, b.z * kBrickSide});
+  };
+  for (int64_t begin = 0, end = 0; begin < brick_states_.size(); begin = end) {
+    end = begin + 1;
+    if (!leaves(volume.brick(begin))) continue;
+    while (end < brick_states_.size() && leaves(volume.brick(end))) ++end;
+    voxels_.give_back_zeros(begin * kBrickVoxels, (end - begin) * kBrickVoxels);
+    colours_.give_back_zeros(begin * kBrickVoxels, (end - begin) * kBrickVoxels);
+  }
+}
+
+CloudSlice TsdfVolume::flush() {
+  const VoxelBounds nothing{};
+  CloudSlice slice = extractor_.extract(
+      {view(), nothing, static_cast<int32_t>(std::lround(config_.min_slice_weight * Voxel::kWeightUnits))});
+  slice.is_final = true;
+  exec::for_each(device_, block_states_.size(), SummariseBlock{view()});
+  return slice;
+}
+
+uint64_t TsdfVolume::digest() const {
+  Digest digest;
+  digest.add(std::span<const Voxel>(voxels_.downloaded()));
+  digest.add(std::span<const ColourVoxel>(colours_.downloaded()));
+  return digest.value();
+}
+
+}  // namespace kt

@@ -1,0 +1,12 @@
+// CUDA instantiations of the preprocessing kernels.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/preprocess/depth_kernel.h"
+#include "onboard/preprocess/surface_kernel.h"
+#include "shared/exec/cuda_launch.cuh"
+
+KT_INSTANTIATE_FOR_EACH_PIXEL(kt::ConvertDepth);
+KT_INSTANTIATE_FOR_EACH_PIXEL(kt::BilateralFilter);
+KT_INSTANTIATE_FOR_EACH_PIXEL(kt::HalveDepth);
+KT_INSTANTIATE_FOR_EACH_PIXEL(kt::ComputeNormal);
+KT_INSTANTIATE_FOR_EACH_PIXEL(kt::MakeFusionPixel);
+KT_INSTANTIATE_FOR_EACH_PIXEL(kt::RegisterColour);

@@ -1,0 +1,115 @@
+// The order of the preprocessing kernels.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/preprocess/preprocessor.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "onboard/preprocess/depth_kernel.h"
+#include "shared/exec/for_each.h"
+
+namespace kt {
+namespace {
+
+// Nearest recorded pixel of each pixel of the undistorted camera, -1 where it lies outside the image.
+std::vector<int32_t> undistortion_table(const Camera& camera) {
+  std::vector<int32_t> table;
+  table.reserve(static_cast<size_t>(camera.width) * camera.height);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector2d source =
+          camera.project({(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0});
+      const double x = std::round(source.x()), y = std::round(source.y());
+      const bool inside = x >= 0 && y >= 0 && x < camera.width && y < camera.height;
+      table.push_back(inside ? static_cast<int32_t>(y) * camera.width + static_cast<int32_t>(x) : -1);
+    }
+  }
+  return table;
+}
+
+// |dz| / z per pixel of a surface seen at `angle`: a steeper change is a jump to another surface.
+float max_slope(const PinholeParams& camera, double angle_deg) {
+  return static_cast<float>(std::tan(angle_deg * std::numbers::pi / 180) / camera.fx);
+}
+
+}  // namespace
+
+Preprocessor::Preprocessor(const exec::Device& device, const Calibration& calibration,
+                           const PreprocessConfig& config)
+    : device_(device), calibration_(calibration), config_(config), camera_(calibration.depth.pinhole()) {
+  if (const std::string problem = calibration.problem(); !problem.empty()) {
+    throw Error("calibration '" + calibration.name + "': " + problem);
+  }
+  const int64_t pixels = camera_.pixel_count();
+  raw_depth_ = {device, pixels};
+  undistortion_ = {device, pixels};
+  undistortion_.upload(undistortion_table(calibration.depth));
+  measured_depth_ = {device, DepthView::padded_size(camera_.width, camera_.height)};
+  colour_ = {device, calibration.colour.pinhole().pixel_count()};
+  registered_colour_ = {device, pixels};
+  maps_.fusion_pixels = {device, pixels};
+  PinholeParams camera = camera_;
+  for (SurfaceLevel& level : maps_.levels) {
+    level.camera = camera;
+    level.depth = {device, DepthView::padded_size(camera.width, camera.height)};
+    level.normals = {device, camera.pixel_count()};
+    camera = camera.half();
+  }
+}
+
+const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
+  KT_CHECK(frame.depth.width() == camera_.width && frame.depth.height() == camera_.height,
+           "depth image of another size than the calibration's");
+  KT_CHECK(frame.colour.empty() || (frame.colour.width() == calibration_.colour.width &&
+                                    frame.colour.height() == calibration_.colour.height),
+           "colour image of another size than the calibration's");
+  const DepthView measured{measured_depth_.data(), camera_.width, camera_.height};
+  SurfaceLevel& full = maps_.levels[0];
+
+  raw_depth_.upload(frame.depth.pixels());
+  exec::for_each_pixel(
+      device_, camera_.width, camera_.height,
+      ConvertDepth{raw_depth_.data(), undistortion_.data(), static_cast<float>(calibration_.depth_unit_m),
+                   calibration_.invalid_depth, static_cast<float>(config_.depth_min_m),
+                   static_cast<float>(config_.depth_max_m), measured, measured_depth_.data()});
+
+  BilateralFilter filter{measured, {}, static_cast<float>(config_.bilateral_range_sigmas), full.depth.data()};
+  for (int k = -BilateralFilter::kRadius; k <= BilateralFilter::kRadius; ++k) {
+    const double scaled = k / config_.bilateral_sigma_px;
+    filter.spatial[k + BilateralFilter::kRadius] = static_cast<float>(std::exp(-0.5 * scaled * scaled));
+  }
+  exec::for_each_pixel(device_, camera_.width, camera_.height, filter);
+
+  // Normals look over 3, 2 and 1 pixels: with less, the disparity steps of the sensor show.
+  for (int l = 0; l < kPyramidLevels; ++l) {
+    SurfaceLevel& level = maps_.levels[static_cast<size_t>(l)];
+    const PinholeParams& camera = level.camera;
+    if (l > 0) {
+      const SurfaceLevel& finer = maps_.levels[static_cast<size_t>(l - 1)];
+      exec::for_each_pixel(device_, camera.width, camera.height,
+                           HalveDepth{finer.depth_view(), level.depth_view(), level.depth.data()});
+    }
+    exec::for_each_pixel(device_, camera.width, camera.height,
+                         ComputeNormal{level.depth_view(), camera, 3 - l,
+                                       max_slope(camera, config_.max_view_angle_deg), level.normals.data()});
+  }
+
+  if (!frame.colour.empty()) {
+    colour_.upload(frame.colour.pixels());
+    exec::for_each_pixel(
+        device_, camera_.width, camera_.height,
+        RegisterColour{full.depth_view(), camera_, to_rigid3f(calibration_.T_colour_depth),
+                       calibration_.colour.distorted_pinhole(), colour_.data(), registered_colour_.data()});
+  }
+  exec::for_each_pixel(
+      device_, camera_.width, camera_.height,
+      MakeFusionPixel{measured, camera_, full.normals.data(),
+                      static_cast<float>(std::cos(config_.max_view_angle_deg * std::numbers::pi / 180)),
+                      max_slope(camera_, config_.max_view_angle_deg),
+                      frame.colour.empty() ? nullptr : registered_colour_.data(),
+                      maps_.fusion_pixels.data()});
+  return maps_;
+}
+
+}  // namespace kt

@@ -1,0 +1,51 @@
+// Where frames come from: recordings, logs and synthetic missions behind one interface.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "shared/types/calibration.h"
+#include "shared/types/rgbd_frame.h"
+#include "shared/types/stamped_pose.h"
+
+namespace kt {
+
+/// What a source hands out: a frame, the word that one could not be used, or the end.
+struct SourceItem {
+  enum class Kind { kFrame, kSkipped, kEnd };
+  Kind kind = Kind::kEnd;
+  RgbdFrame frame;     ///< of kFrame
+  std::string reason;  ///< of kSkipped
+};
+
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  /// The next frame in the order of capture; once kEnd, always kEnd. A source that open_source returned never
+  /// throws for a bad frame: it says kSkipped. The bare sources behind it throw kt::Error and go on with the
+  /// next call.
+  virtual SourceItem next() = 0;
+
+  /// Frames and skipped frames in all; -1 where nobody knows beforehand.
+  virtual int64_t frame_count() const = 0;
+  /// Of every frame; sound (Calibration::problem).
+  virtual const Calibration& calibration() const = 0;
+  /// T_world_camera of the depth camera where the source knows it, at stamps of its own; else empty.
+  virtual const Trajectory& groundtruth() const = 0;
+};
+
+/// Opens `tum:DIR`, `icl:DIR`, `7scenes:DIR`, `synthetic:NAME` or `lcm-log:FILE`; `calibration`, where given,
+/// takes the place of the source's own. Frames come checked (checked_source.h). Throws kt::Error where the
+/// scheme is unknown, the source cannot be read or the calibration makes no sense.
+std::unique_ptr<FrameSource> open_source(const std::string& spec,
+                                         const std::optional<Calibration>& calibration = std::nullopt);
+
+/// What open_source takes, for help texts: "tum:DIR", "synthetic:NAME", ...
+std::vector<std::string> source_specs();
+
+}  // namespace kt

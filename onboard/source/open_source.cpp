@@ -1,0 +1,47 @@
+// Finds the source that a text such as "tum:DIR" names.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/source/bare_sources.h"
+#include "onboard/source/checked_source.h"
+#include "shared/core/check.h"
+
+namespace kt {
+namespace {
+
+using Opened = std::unique_ptr<FrameSource>;
+
+struct Scheme {
+  const char *name, *argument;
+  Opened (*open)(const std::string& argument);
+};
+
+constexpr Scheme kSchemes[] = {
+    {"tum", "DIR", [](const std::string& folder) { return open_dataset_source("tum", folder); }},
+    {"icl", "DIR", [](const std::string& folder) { return open_dataset_source("icl", folder); }},
+    {"7scenes", "DIR", [](const std::string& folder) { return open_dataset_source("7scenes", folder); }},
+    {"synthetic", "NAME", [](const std::string& name) { return open_synthetic_source(name); }},
+    {"lcm-log", "FILE", [](const std::string& file) { return open_log_source(file); }},
+};
+
+}  // namespace
+
+std::vector<std::string> source_specs() {
+  std::vector<std::string> specs;
+  for (const Scheme& scheme : kSchemes) specs.push_back(std::string(scheme.name) + ":" + scheme.argument);
+  return specs;
+}
+
+std::unique_ptr<FrameSource> open_source(const std::string& spec,
+                                         const std::optional<Calibration>& calibration) {
+  const size_t colon = spec.find(':');
+  if (colon != std::string::npos && colon + 1 < spec.size()) {
+    for (const Scheme& scheme : kSchemes) {
+      if (spec.substr(0, colon) != scheme.name) continue;
+      return std::make_unique<CheckedSource>(scheme.open(spec.substr(colon + 1)), calibration);
+    }
+  }
+  std::string known;
+  for (const std::string& text : source_specs()) known += (known.empty() ? "" : ", ") + text;
+  throw Error("no source '" + spec + "'; known: " + known);
+}
+
+}  // namespace kt

@@ -1,0 +1,58 @@
+// Frame-to-model tracking by projective point-to-plane ICP, coarse to fine.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "onboard/preprocess/model_view.h"
+#include "onboard/preprocess/preprocessor.h"
+#include "shared/exec/normal_equations.h"
+#include "shared/types/stamped_pose.h"
+
+namespace kt {
+
+struct TrackingConfig {
+  std::array<int, kPyramidLevels> iterations{
+      0, 8, 10};                     ///< at most, from the full resolution up; the model view has half of it
+  double max_distance_m = 0.10;      ///< a pair of points farther apart does not count
+  double max_normal_angle_deg = 30;  ///< nor one whose normals differ more
+  double robust_sigmas = 2.5;        ///< scale of the Cauchy loss in standard deviations of the depth noise
+  double min_eigenvalue =
+      1e-3;  ///< directions of the normalised Hessian below it keep the motion model's guess
+  double min_inlier_share = 0.5;  ///< of the pixels on model surface: below, the pose is uncertain
+  double min_overlap = 0.15;      ///< share of measured pixels on model surface: below, the pose is uncertain
+  double max_step_m = 0.25;       ///< motion between frames beyond which a pose is not believed
+  double max_step_deg = 20;
+};
+
+struct TrackResult {
+  Pose T_odom_camera = Pose::Identity();
+  TrackingStatus status = TrackingStatus::kLost;
+  /// Of the left perturbation of T_model_current, model = the camera of the model view.
+  Matrix6d information = Matrix6d::Zero();
+  double inlier_share = 0;    ///< of the pixels that fall on model surface
+  double overlap = 0;         ///< share of measured pixels that fall on model surface
+  double rms_m = 0;           ///< weighted point-to-plane residual of the inliers
+  double min_eigenvalue = 0;  ///< of the normalised Hessian: 0 where geometry leaves a direction free
+};
+
+class Tracker {
+ public:
+  Tracker(const exec::Device& device, const PinholeParams& camera, const TrackingConfig& config);
+
+  /// Aligns a frame with the model view, starting at `T_odom_guess`. `T_odom_last` is the last pose known,
+  /// which the motion limits refer to.
+  TrackResult track(const FrameMaps& maps, const ModelView& model, const Pose& T_odom_guess,
+                    const Pose& T_odom_last);
+
+ private:
+  exec::NormalEquations residuals(const FrameMaps& maps, const ModelView& model, int level,
+                                  const Pose& T_model_current);
+
+  exec::Device device_;
+  TrackingConfig config_;
+  exec::ReductionWorkspace workspace_;
+};
+
+}  // namespace kt
