@@ -1,0 +1,29 @@
+// Cloud slices to one mesh.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+
+#include "shared/core/digest.h"
+#include "shared/io/mesh.h"
+#include "shared/types/cloud_slice.h"
+
+namespace kt {
+
+/// Copies of one vertex that differ by no more than this share of a voxel agree.
+inline constexpr float kWeldAgreement = 0.01f;
+
+/// Joins slices that share a grid: vertices with the same EdgeKey become one, so that neighbours meet without
+/// gap. Where all copies agree with the first (the rule: the collector freezes what slices share), the first
+/// stands as it is; else the vertex is the mean of the copies by weight, and its weight their sum. Triangles
+/// left with a repeated corner are dropped, identical ones kept once.
+///
+/// The mesh is in the frame of the slices, with normals, colours, and the weight as quality; vertices ascend
+/// by key, triangles by their corners, each beginning with its smallest. It depends on the order of `slices`
+/// only where copies differ. Needs fewer than 2^32 vertices in all, and one voxel size.
+Mesh weld(std::span<const CloudSlice> slices);
+
+/// Digest of everything the mesh holds.
+Digest mesh_digest(const Mesh& mesh);
+
+}  // namespace kt

@@ -1,0 +1,87 @@
+// Figures of a session and its map as JSON.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "offboard/report/map_report.h"
+
+#include <algorithm>
+#include <array>
+
+#include "nlohmann/json.hpp"
+
+#include "offboard/map/weld.h"
+#include "offboard/session/integrity_report.h"
+
+namespace kt {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json frames_json(const Session& session) {
+  std::array<int64_t, 3> by_status{};
+  for (const StampedPose& pose : session.trajectory) ++by_status[static_cast<size_t>(pose.status)];
+  Json json = {{"processed", session.trajectory.size()}};
+  for (const TrackingStatus status :
+       {TrackingStatus::kGood, TrackingStatus::kUncertain, TrackingStatus::kLost}) {
+    json[to_string(status)] = by_status[static_cast<size_t>(status)];
+  }
+  json["skipped"] = session.last_status.frames_skipped;
+  return json;
+}
+
+Json trajectory_json(const Trajectory& trajectory) {
+  double length_m = 0;
+  for (size_t i = 1; i < trajectory.size(); ++i) {
+    length_m +=
+        (trajectory[i].T_odom_camera.translation() - trajectory[i - 1].T_odom_camera.translation()).norm();
+  }
+  const int64_t duration_us =
+      trajectory.empty() ? 0 : trajectory.back().timestamp_us - trajectory.front().timestamp_us;
+  return {{"path_length_m", length_m}, {"duration_s", static_cast<double>(duration_us) * 1e-6}};
+}
+
+Json slices_json(const std::vector<CloudSlice>& slices) {
+  size_t vertices = 0, triangles = 0;
+  for (const CloudSlice& slice : slices)
+    vertices += slice.vertices.size(), triangles += slice.triangles.size();
+  return {{"count", slices.size()}, {"vertices", vertices}, {"triangles", triangles}};
+}
+
+Json map_json(const Mesh& map) {
+  Json json = {{"vertices", map.vertices.size()}, {"triangles", map.triangles.size()}};
+  if (!map.vertices.empty()) {
+    Vec3f low = map.vertices.front(), high = low;
+    for (const Vec3f& p : map.vertices) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    json["low_m"] = {low.x, low.y, low.z};
+    json["high_m"] = {high.x, high.y, high.z};
+  }
+  json["digest"] = mesh_digest(map).hex();
+  return json;
+}
+
+}  // namespace
+
+std::string map_report(const Session& session, const Mesh& map, const RunFigures& run) {
+  const auto accepted = std::count_if(session.loop_closures.begin(), session.loop_closures.end(),
+                                      [](const LoopClosure& loop) { return loop.accepted; });
+  Json steps;
+  for (const auto& [name, seconds] : run.steps_s) steps[name] = seconds;
+  const Json report = {
+      {"collector", session.header.program_version},
+      {"calibration", session.header.calibration.name},
+      {"start_us", session.header.timestamp_us},
+      {"integrity", integrity_json(session.integrity)},
+      {"frames", frames_json(session)},
+      {"trajectory", trajectory_json(session.trajectory)},
+      {"keyframes", session.keyframes.size()},
+      {"loop_closures", {{"candidates", session.loop_closures.size()}, {"accepted", accepted}}},
+      {"slices", slices_json(session.slices)},
+      {"map", map_json(map)},
+      {"run", {{"log", run.log}, {"steps_s", steps}, {"peak_memory_bytes", run.peak_memory_bytes}}},
+  };
+  // A name in the log may hold bytes that are no UTF-8.
+  return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace kt

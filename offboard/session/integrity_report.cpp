@@ -1,0 +1,31 @@
+// Words and JSON for LogIntegrity.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "offboard/session/integrity_report.h"
+
+namespace kt {
+
+std::string integrity_text(const LogIntegrity& integrity) {
+  std::string text = std::to_string(integrity.events) + (integrity.events == 1 ? " event" : " events");
+  const auto add = [&text](int64_t count, const char* what) {
+    if (count > 0) text.append(", ").append(std::to_string(count)).append(what);
+  };
+  add(integrity.unknown_events, " on other channels");
+  add(integrity.damaged_events, " damaged");
+  add(integrity.skipped_bytes, " bytes skipped");
+  add(integrity.missing_messages, " messages missing");
+  if (integrity.truncated) text += ", truncated";
+  if (integrity.is_sound()) text += ", no damage";
+  return text;
+}
+
+nlohmann::ordered_json integrity_json(const LogIntegrity& integrity) {
+  return {{"sound", integrity.is_sound()},
+          {"events", integrity.events},
+          {"unknown_events", integrity.unknown_events},
+          {"damaged_events", integrity.damaged_events},
+          {"skipped_bytes", integrity.skipped_bytes},
+          {"missing_messages", integrity.missing_messages},
+          {"truncated", integrity.truncated}};
+}
+
+}  // namespace kt

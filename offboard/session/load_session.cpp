@@ -1,0 +1,71 @@
+// Collects the messages of a log into a Session.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "offboard/session/load_session.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "offboard/session/integrity_report.h"
+#include "shared/core/check.h"
+#include "shared/wire/message_reader.h"
+
+namespace kt {
+namespace {
+
+// Takes the messages one by one; a log needs no order but that of each channel.
+struct Gatherer {
+  const std::filesystem::path& path;
+  Session session{};
+  bool has_header = false;
+  int64_t stray_poses = 0;
+
+  void operator()(SessionHeader&& header) {
+    if (has_header) throw Error(path.string() + " holds several sessions: a log must hold one mission");
+    check_format_version(header, path.string());
+    session.header = std::move(header);
+    has_header = true;
+  }
+  void operator()(StampedPose&& pose) {
+    if (session.trajectory.empty() || session.trajectory.back().sequence < pose.sequence) {
+      session.trajectory.push_back(std::move(pose));
+    } else {
+      ++stray_poses;
+    }
+  }
+  void operator()(CloudSlice&& slice) {
+    if (!session.slices.empty() && slice.voxel_size_m != session.slices.front().voxel_size_m) {
+      throw Error(path.string() + ": its slices differ in voxel size, so they are not of one mission");
+    }
+    session.slices.push_back(std::move(slice));
+  }
+  void operator()(Keyframe&& keyframe) { session.keyframes.push_back(std::move(keyframe)); }
+  void operator()(LoopClosure&& loop) { session.loop_closures.push_back(std::move(loop)); }
+  void operator()(MissionStatus&& status) { session.last_status = status; }
+  void operator()(CompressedFrame&&) {}
+};
+
+}  // namespace
+
+Session load_session(const std::filesystem::path& path, const Progress& progress) {
+  MessageReader reader(path);
+  reader.skip<CompressedFrame>();
+  Gatherer gatherer{path};
+  while (std::optional<Message> message = reader.next()) {
+    std::visit([&gatherer](auto&& m) { gatherer(std::move(m)); }, std::move(*message));
+    if (progress) progress(static_cast<double>(reader.position()) / static_cast<double>(reader.size()));
+  }
+  LogIntegrity& integrity = gatherer.session.integrity;
+  integrity = reader.integrity();
+  integrity.events -= gatherer.stray_poses;
+  integrity.damaged_events += gatherer.stray_poses;
+  if (!gatherer.has_header) {
+    throw Error(path.string() +
+                " holds no session event, so it is no Kintsugi log or has lost its beginning (" +
+                integrity_text(integrity) + "): record it again");
+  }
+  return std::move(gatherer.session);
+}
+
+}  // namespace kt
