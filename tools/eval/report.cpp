@@ -1,0 +1,73 @@
+// Formats evaluation results.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/eval/report.h"
+
+#include <cstdio>
+
+namespace kt {
+namespace {
+
+nlohmann::ordered_json statistics_json(const Statistics& s, const std::string& unit) {
+  return {{"rmse_" + unit, s.rmse},     {"mean_" + unit, s.mean},
+          {"median_" + unit, s.median}, {"std_" + unit, s.standard_deviation},
+          {"min_" + unit, s.min},       {"max_" + unit, s.max},
+          {"p95_" + unit, s.p95}};
+}
+
+template <typename... Values>
+std::string line(const char* format, Values... values) {
+  char text[200];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+std::string statistics_line(const char* what, const Statistics& s, double factor, const char* unit) {
+  return line("%-22s rmse %8.2f  mean %8.2f  median %8.2f  p95 %8.2f  max %8.2f  %s\n", what, factor * s.rmse,
+              factor * s.mean, factor * s.median, factor * s.p95, factor * s.max, unit);
+}
+
+}  // namespace
+
+nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate, const RelativePoseError& rpe) {
+  nlohmann::ordered_json json;
+  json["ate"] = statistics_json(ate.translation_m, "m");
+  json["ate"]["pairs"] = ate.samples.size();
+  json["rpe"]["translation"] = statistics_json(rpe.translation_m, "m");
+  json["rpe"]["rotation"] = statistics_json(rpe.rotation_deg, "deg");
+  json["rpe"]["pairs"] = rpe.pairs;
+  json["coverage"] = {{"estimate_paired_percent", 100 * ate.estimate_paired_share},
+                      {"groundtruth_covered_percent", 100 * ate.groundtruth_covered_share}};
+  return json;
+}
+
+nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErrorOptions& options) {
+  nlohmann::ordered_json json;
+  json["accuracy"] = statistics_json(error.accuracy_m, "m");
+  json["accuracy"]["share"] = error.accurate_share;
+  json["completeness"] = error.complete_share;
+  json["completeness_distance"] = statistics_json(error.completeness_m, "m");
+  json["f_score"] = error.f_score;
+  json["threshold_m"] = options.threshold_m;
+  json["samples"] = options.samples;
+  return json;
+}
+
+std::string trajectory_text(const AbsoluteTrajectoryError& ate, const RelativePoseError& rpe) {
+  return statistics_line("ATE", ate.translation_m, 1000, "mm") +
+         statistics_line("RPE translation", rpe.translation_m, 1000, "mm") +
+         statistics_line("RPE rotation", rpe.rotation_deg, 1, "deg") +
+         line("%-22s %zu pairs, %.1f %% of the estimate's poses; %.1f %% of the ground truth is covered\n",
+              "coverage", ate.samples.size(), 100 * ate.estimate_paired_share,
+              100 * ate.groundtruth_covered_share);
+}
+
+std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& options) {
+  const double threshold_mm = 1000 * options.threshold_m;
+  return statistics_line("accuracy", error.accuracy_m, 1000, "mm") +
+         statistics_line("completeness", error.completeness_m, 1000, "mm") +
+         line("%-22s %.2f %% of the map, %.2f %% of the true surface; F-score %.2f %%\n",
+              line("within %g mm", threshold_mm).c_str(), 100 * error.accurate_share,
+              100 * error.complete_share, 100 * error.f_score);
+}
+
+}  // namespace kt

@@ -1,0 +1,23 @@
+// Evaluation results as JSON and as text for people.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tools/eval/surface_error.h"
+#include "tools/eval/trajectory_error.h"
+
+namespace kt {
+
+/// {"ate": {"rmse_m", ..., "pairs"}, "rpe": {"translation": {...}, "rotation": {...}, "pairs"}, "coverage":
+/// {...}}
+nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate, const RelativePoseError& rpe);
+/// {"accuracy": {"mean_m", ..., "share"}, "completeness": share, "completeness_distance": {...}, "f_score",
+/// ...}
+nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErrorOptions& options);
+
+std::string trajectory_text(const AbsoluteTrajectoryError& ate, const RelativePoseError& rpe);
+std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& options);
+
+}  // namespace kt

@@ -1,0 +1,49 @@
+// Absolute and relative trajectory error as the TUM benchmark's tools define them (Sturm et al. 2012).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "shared/io/stamp_association.h"
+#include "shared/types/stamped_pose.h"
+#include "tools/eval/statistics.h"
+
+namespace kt {
+
+/// How far an estimated position lies from the true one after the best rigid alignment.
+struct AbsoluteTrajectoryError {
+  struct Sample {
+    int64_t timestamp_us = 0;  ///< of the estimate
+    Eigen::Vector3d p_groundtruth,
+        p_estimate;  ///< camera centres in the ground truth's frame (m), estimate aligned
+    double error_m = 0;
+  };
+  std::vector<Sample> samples;  ///< one per pair, in order of time
+  Statistics translation_m;
+  Pose T_groundtruth_estimate = Pose::Identity();  ///< the alignment, SE(3): no scale
+  double estimate_paired_share = 0;                ///< of the estimate's poses
+  double groundtruth_covered_share =
+      0;  ///< of the ground truth's poses, those with an estimate in the window
+};
+
+/// Pairs the stamps as associate_stamps does, aligns with Horn's closed form. Throws kt::Error where fewer
+/// than three poses pair.
+AbsoluteTrajectoryError absolute_trajectory_error(const Trajectory& groundtruth, const Trajectory& estimate,
+                                                  int64_t max_difference_us = kMaxStampDifference_us);
+
+enum class DeltaUnit { kSeconds, kMetres, kFrames };
+
+/// How far the motion over a fixed span is off.
+struct RelativePoseError {
+  Statistics translation_m, rotation_deg;
+  int64_t pairs = 0;
+};
+
+/// Compares the estimate's motion over `delta` (time, path length or poses), from every pose on, with that of
+/// the closest ground-truth poses. Every pair counts: the benchmark's tool draws 10000 at random where there
+/// are more. Throws kt::Error where fewer than two pairs are left.
+RelativePoseError relative_pose_error(const Trajectory& groundtruth, const Trajectory& estimate,
+                                      double delta = 1, DeltaUnit unit = DeltaUnit::kSeconds);
+
+}  // namespace kt

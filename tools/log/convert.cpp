@@ -1,0 +1,176 @@
+// The three conversions.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/log/convert.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+#include "offboard/session/integrity_report.h"
+#include "onboard/source/frame_source.h"
+#include "shared/core/check.h"
+#include "shared/io/calibration_file.h"
+#include "shared/io/file.h"
+#include "shared/io/image_header.h"
+#include "shared/io/text_lines.h"
+#include "shared/io/trajectory_file.h"
+#include "shared/wire/codec.h"
+#include "shared/wire/event_log.h"
+#include "shared/wire/message_reader.h"
+
+namespace kt {
+namespace {
+
+bool is_source(const std::string& name) {
+  const std::vector<std::string> specs = source_specs();
+  return std::any_of(specs.begin(), specs.end(), [&name](const std::string& spec) {
+    const size_t scheme = spec.find(':') + 1;
+    return name.compare(0, scheme, spec, 0, scheme) == 0;
+  });
+}
+
+void refuse_existing(const std::filesystem::path& to, const ConvertOptions& options) {
+  std::error_code ignored;
+  const bool taken = std::filesystem::is_regular_file(to, ignored) ||
+                     (std::filesystem::is_directory(to, ignored) && !std::filesystem::is_empty(to, ignored));
+  if (taken && !options.overwrite)
+    throw Error(to.string() + " exists: name another target, or pass --overwrite");
+}
+
+std::string count_text(int64_t count, const char* what) { return std::to_string(count) + " " + what; }
+
+std::string source_to_log(const std::string& from, const std::filesystem::path& to,
+                          const ConvertOptions& options, const FrameProgress& progress) {
+  const std::unique_ptr<FrameSource> source = open_source(from);
+  std::optional<EventLogWriter> log;
+  int64_t frames = 0, skipped = 0;
+  std::string first_reason;
+  for (SourceItem item = source->next(); item.kind != SourceItem::Kind::kEnd; item = source->next()) {
+    if (item.kind == SourceItem::Kind::kSkipped) {
+      if (skipped++ == 0) first_reason = item.reason;
+      continue;
+    }
+    if (!log) {
+      log.emplace(to, options.overwrite);
+      SessionHeader session;
+      session.timestamp_us = item.frame.timestamp_us;
+      session.program_version = KT_VERSION " (kintsugi-log)";
+      session.calibration = source->calibration();
+      log->write(channel_of<SessionHeader>(), session.timestamp_us, encode(session, 0));
+    }
+    log->write(channel_of<CompressedFrame>(), item.frame.timestamp_us,
+               encode(compress(item.frame, options.compression), frames));
+    ++frames;
+    if (progress) progress(frames + skipped, source->frame_count());
+  }
+  if (!log) throw Error(from + " holds no usable frame; the first was left out because: " + first_reason);
+  log->close();
+  std::string text = to.string() + ": " + count_text(frames, "frames");
+  if (skipped > 0) text += ", " + count_text(skipped, "skipped (the first: ") + first_reason + ")";
+  return text;
+}
+
+std::string log_to_trajectory(const std::string& from, const std::filesystem::path& to,
+                              const ConvertOptions& options) {
+  MessageReader reader{std::filesystem::path(from)};
+  reader.skip<CloudSlice>();
+  reader.skip<Keyframe>();
+  reader.skip<CompressedFrame>();
+  Trajectory trajectory;
+  while (const std::optional<Message> message = reader.next()) {
+    if (const auto* session = std::get_if<SessionHeader>(&*message)) check_format_version(*session, from);
+    if (const auto* pose = std::get_if<StampedPose>(&*message)) trajectory.push_back(*pose);
+  }
+  if (trajectory.empty()) throw Error(from + " holds no poses (" + integrity_text(reader.integrity()) + ")");
+  refuse_existing(to, options);
+  write_trajectory(to, trajectory);
+  return to.string() + ": " + count_text(static_cast<int64_t>(trajectory.size()), "poses; log: ") +
+         integrity_text(reader.integrity());
+}
+
+// Writes frames as they come; the lists at the end.
+class TumFolder {
+ public:
+  explicit TumFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+    for (const char* name : {"depth", "rgb"}) {
+      std::error_code error;
+      std::filesystem::create_directories(folder_ / name, error);
+      if (error)
+        throw Error("cannot create the folder " + (folder_ / name).string() + ": " + error.message());
+    }
+  }
+  void add(const CompressedFrame& frame) {
+    const std::string name = "raw frame " + std::to_string(frame.sequence);
+    depth_list_ += add_image("depth/", frame.timestamp_us, frame.depth_png, name + ", depth");
+    if (!frame.colour.empty())
+      colour_list_ += add_image("rgb/", frame.colour_timestamp_us, frame.colour, name + ", colour");
+  }
+  void finish(const Calibration& calibration) const {
+    write_file(folder_ / "depth.txt", "# timestamp filename\n" + depth_list_);
+    write_file(folder_ / "rgb.txt", "# timestamp filename\n" + colour_list_);
+    write_calibration(folder_ / "calibration.yaml", calibration);
+  }
+
+ private:
+  // Returns the image's line of the list.
+  std::string add_image(const std::string& subfolder, int64_t stamp_us, std::span<const uint8_t> bytes,
+                        const std::string& name) const {
+    const bool is_png = check_image(bytes, name).format == ImageHeader::Format::kPng;
+    const std::string stamp = format_stamp_us(stamp_us);
+    const std::string file = subfolder + stamp + (is_png ? ".png" : ".jpg");
+    write_file(folder_ / file, as_text(bytes));
+    return stamp + " " + file + "\n";
+  }
+
+  std::filesystem::path folder_;
+  std::string depth_list_, colour_list_;
+};
+
+std::string log_to_folder(const std::string& from, const std::filesystem::path& to,
+                          const ConvertOptions& options, const FrameProgress& progress) {
+  MessageReader reader{std::filesystem::path(from)};
+  reader.skip<CloudSlice>();
+  reader.skip<Keyframe>();
+  std::optional<Calibration> calibration;
+  std::optional<TumFolder> folder;
+  int64_t frames = 0;
+  while (const std::optional<Message> message = reader.next()) {
+    if (const auto* session = std::get_if<SessionHeader>(&*message)) {
+      check_format_version(*session, from);
+      calibration = session->calibration;
+    } else if (const auto* frame = std::get_if<CompressedFrame>(&*message)) {
+      if (!calibration)
+        throw Error(from + " holds no session event before its frames, so their calibration is unknown");
+      if (!folder) {
+        refuse_existing(to, options);
+        folder.emplace(to);
+      }
+      folder->add(*frame);
+      ++frames;
+      if (progress) progress(frames, -1);
+    }
+  }
+  if (!folder) {
+    throw Error(from + " holds no raw frames (" + integrity_text(reader.integrity()) +
+                "): for its poses name a .txt file as the target");
+  }
+  folder->finish(*calibration);
+  return to.string() + ": " + count_text(frames, "frames; log: ") + integrity_text(reader.integrity());
+}
+
+}  // namespace
+
+std::string convert(const std::string& from, const std::filesystem::path& to, const ConvertOptions& options,
+                    const FrameProgress& progress) {
+  if (is_source(from)) return source_to_log(from, to, options, progress);
+  if (to.extension() == ".txt") return log_to_trajectory(from, to, options);
+  if (to.extension() == ".lcm") {
+    throw Error(
+        "to make a log, name the source as one of tum:DIR, icl:DIR, 7scenes:DIR, synthetic:NAME, "
+        "lcm-log:FILE");
+  }
+  return log_to_folder(from, to, options, progress);
+}
+
+}  // namespace kt
