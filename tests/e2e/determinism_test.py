@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+# Equal input gives equal bytes: for any number of threads, for every run, in the log and in the map.
+# SPDX-License-Identifier: BSD-3-Clause
+import hashlib
+import json
+import unittest
+
+from programs import WORK, ProgramTest
+
+
+def digest(path):
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+class DeterminismTest(ProgramTest):
+    def test_log_bytes_do_not_depend_on_threads_or_runs(self):
+        source = f"tum:{WORK / 'small'}"
+        logs = [self.collect(source, self.folder / f"{i}.lcm", threads=threads)[0]
+                for i, threads in enumerate((1, 2, 3, 2))]
+        self.assertEqual(len({digest(log) for log in logs}), 1, [digest(log) for log in logs])
+
+    def test_map_bytes_do_not_depend_on_the_run(self):
+        log, _ = self.collect(f"tum:{WORK / 'small'}")
+        maps = []
+        for _ in range(2):
+            out = self.map(log)
+            report = json.loads((out / "report.json").read_text())
+            del report["run"]  # durations and memory: the one part that tells of the machine
+            digests = {file.name: digest(file) for file in sorted(out.iterdir()) if file.name != "report.json"}
+            maps.append((report, digests))
+        self.assertEqual(maps[0], maps[1])
+
+    def test_another_mission_gives_another_log(self):
+        # Guards the tests above: a digest of nothing would be equal, too.
+        small = self.copy_of("small")
+        log, _ = self.collect(f"tum:{small}", self.folder / "whole.lcm")
+        lines = (small / "depth.txt").read_text().splitlines()
+        (small / "depth.txt").write_text("\n".join(lines[:-1]) + "\n")
+        shorter, _ = self.collect(f"tum:{small}", self.folder / "shorter.lcm")
+        self.assertNotEqual(digest(log), digest(shorter))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,80 @@
+// report.json: the right figures, and nothing of the run outside "run".
+// SPDX-License-Identifier: BSD-3-Clause
+#include "offboard/report/map_report.h"
+
+#include <gtest/gtest.h>
+
+#include "nlohmann/json.hpp"
+
+#include "offboard/map/weld.h"
+#include "tests/shared/wire/sample_messages.h"
+
+namespace kt {
+namespace {
+
+// Three poses on a line, 3 m and 4 m apart, half a second each.
+Session short_session() {
+  Session session;
+  session.header = sample_session();
+  for (const auto& [sequence, x_m, status] :
+       {std::tuple{0, 0.0, TrackingStatus::kGood}, std::tuple{1, 3.0, TrackingStatus::kLost},
+        std::tuple{2, 7.0, TrackingStatus::kGood}}) {
+    StampedPose pose;
+    pose.sequence = sequence;
+    pose.timestamp_us = 500000 * sequence;
+    pose.T_odom_camera.translation().x() = x_m;
+    pose.status = status;
+    session.trajectory.push_back(pose);
+  }
+  session.slices = {sample_slice()};
+  session.loop_closures = {sample_loop(), sample_loop()};
+  session.loop_closures[1].accepted = false;
+  session.last_status.frames_skipped = 6;
+  session.integrity.events = 9;
+  return session;
+}
+
+TEST(MapReport, HoldsTheFiguresOfTheSession) {
+  const Session session = short_session();
+  const Mesh map = weld(session.slices);
+  const auto json = nlohmann::json::parse(map_report(session, map, {"a.lcm", {{"load", 1.5}}, 1 << 20}));
+  EXPECT_EQ(json["frames"]["processed"], 3);
+  EXPECT_EQ(json["frames"]["good"], 2);
+  EXPECT_EQ(json["frames"]["uncertain"], 0);
+  EXPECT_EQ(json["frames"]["lost"], 1);
+  EXPECT_EQ(json["frames"]["skipped"], 6);
+  EXPECT_DOUBLE_EQ(json["trajectory"]["path_length_m"], 7.0);
+  EXPECT_DOUBLE_EQ(json["trajectory"]["duration_s"], 1.0);
+  EXPECT_EQ(json["integrity"]["events"], 9);
+  EXPECT_EQ(json["integrity"]["sound"], true);
+  EXPECT_EQ(json["slices"]["vertices"], 5);
+  EXPECT_EQ(json["loop_closures"]["candidates"], 2);
+  EXPECT_EQ(json["loop_closures"]["accepted"], 1);
+  EXPECT_EQ(json["map"]["triangles"], 3);
+  EXPECT_EQ(json["map"]["digest"], mesh_digest(map).hex());
+  EXPECT_FLOAT_EQ(json["map"]["high_m"][0], 0.4f);
+  EXPECT_EQ(json["run"]["steps_s"]["load"], 1.5);
+  EXPECT_EQ(json["run"]["peak_memory_bytes"], 1 << 20);
+}
+
+TEST(MapReport, OnlyRunDependsOnTheRun) {
+  const Session session = short_session();
+  const Mesh map = weld(session.slices);
+  auto first = nlohmann::json::parse(map_report(session, map, {"a.lcm", {{"load", 1.5}}, 1}));
+  auto second = nlohmann::json::parse(map_report(session, map, {"b.lcm", {{"load", 2.5}}, 2}));
+  EXPECT_NE(first, second);
+  first.erase("run");
+  second.erase("run");
+  EXPECT_EQ(first.dump(), second.dump());
+}
+
+TEST(MapReport, EmptyMapAndForeignBytesAreWelcome) {
+  Session session;
+  session.header.program_version = "\xff\xfe";
+  const auto json = nlohmann::json::parse(map_report(session, {}, {}));
+  EXPECT_EQ(json["map"]["vertices"], 0);
+  EXPECT_EQ(json["trajectory"]["path_length_m"], 0.0);
+}
+
+}  // namespace
+}  // namespace kt

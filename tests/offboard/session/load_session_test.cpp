@@ -1,0 +1,120 @@
+// A log becomes a session, with its damage counted; what is no mission is refused with one clear error.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "offboard/session/load_session.h"
+
+#include <gtest/gtest.h>
+
+#include "offboard/session/integrity_report.h"
+#include "shared/core/check.h"
+#include "shared/wire/codec.h"
+#include "shared/wire/event_log.h"
+#include "tests/shared/wire/sample_messages.h"
+
+namespace kt {
+namespace {
+
+void write_log(const std::filesystem::path& path, const std::vector<Message>& messages) {
+  std::array<int64_t, kChannels.size()> sequence{};
+  EventLogWriter writer(path);
+  for (const Message& message : messages) {
+    std::visit(
+        [&](const auto& m) {
+          writer.write(kChannels[message.index()], 0, encode(m, sequence[message.index()]++));
+        },
+        message);
+  }
+  writer.close();
+}
+
+std::string error_of(const std::filesystem::path& path) {
+  try {
+    load_session(path);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(LoadSession, GathersEveryMessage) {
+  const ScratchDir folder;
+  std::vector<Message> messages = sample_messages();
+  messages.push_back(sample_stamped_pose(8));
+  write_log(folder / "a.lcm", messages);
+  double last_share = 0;
+  const Session session = load_session(folder / "a.lcm", [&last_share](double share) {
+    EXPECT_GE(share, last_share);
+    last_share = share;
+  });
+  EXPECT_EQ(last_share, 1);
+  expect_equal(session.header, sample_session());
+  ASSERT_EQ(session.trajectory.size(), 2u);
+  expect_equal(session.trajectory[0], sample_stamped_pose());
+  expect_equal(session.trajectory[1], sample_stamped_pose(8));
+  ASSERT_EQ(session.slices.size(), 1u);
+  expect_equal(session.slices[0], sample_slice());
+  ASSERT_EQ(session.keyframes.size(), 1u);
+  expect_equal(session.keyframes[0], sample_keyframe());
+  ASSERT_EQ(session.loop_closures.size(), 1u);
+  expect_equal(session.loop_closures[0], sample_loop());
+  expect_equal(session.last_status, sample_status());
+  EXPECT_TRUE(session.integrity.is_sound());
+  EXPECT_EQ(session.integrity.events, 8);
+}
+
+TEST(LoadSession, DamageIsCountedAndTheRestLoaded) {
+  const ScratchDir folder;
+  write_log(folder / "a.lcm", sample_messages());
+  auto bytes = read_bytes(folder / "a.lcm");
+  bytes.resize(bytes.size() - 1);
+  write_bytes(folder / "b.lcm", bytes);
+  const Session session = load_session(folder / "b.lcm");
+  EXPECT_TRUE(session.integrity.truncated);
+  EXPECT_EQ(session.slices.size(), 1u);
+  EXPECT_EQ(integrity_text(session.integrity), "6 events, truncated");
+}
+
+TEST(LoadSession, PosesThatDoNotAdvanceCountAsDamage) {
+  const ScratchDir folder;
+  write_log(folder / "a.lcm", {sample_session(), sample_stamped_pose(3), sample_stamped_pose(3),
+                               sample_stamped_pose(1), sample_stamped_pose(4)});
+  const Session session = load_session(folder / "a.lcm");
+  ASSERT_EQ(session.trajectory.size(), 2u);
+  EXPECT_EQ(session.trajectory[1].sequence, 4);
+  EXPECT_EQ(session.integrity.damaged_events, 2);
+  EXPECT_EQ(session.integrity.events, 3);
+}
+
+TEST(LoadSession, RefusesWhatIsNoMission) {
+  const ScratchDir folder;
+  EXPECT_NE(error_of(folder / "none.lcm").find("does not exist"), std::string::npos);
+  write_log(folder / "headless.lcm", {sample_stamped_pose(), sample_slice()});
+  EXPECT_NE(error_of(folder / "headless.lcm").find("headless.lcm holds no session event"), std::string::npos);
+  write_log(folder / "two.lcm", {sample_session(), sample_stamped_pose(), sample_session()});
+  EXPECT_NE(error_of(folder / "two.lcm").find("several sessions"), std::string::npos);
+  CloudSlice coarse = sample_slice();
+  coarse.voxel_size_m = 0.02;
+  write_log(folder / "mixed.lcm", {sample_session(), sample_slice(), coarse});
+  EXPECT_NE(error_of(folder / "mixed.lcm").find("voxel size"), std::string::npos);
+}
+
+TEST(LoadSession, RefusesANewerFormat) {
+  const ScratchDir folder;
+  SessionHeader session = sample_session();
+  session.format_version = SessionHeader::kFormatVersion + 1;
+  write_log(folder / "a.lcm", {session, sample_stamped_pose()});
+  const std::string text = error_of(folder / "a.lcm");
+  EXPECT_NE(text.find("log format 2"), std::string::npos) << text;
+  EXPECT_NE(text.find("use a newer Kintsugi"), std::string::npos) << text;
+}
+
+TEST(IntegrityReport, NamesEveryKindOfDamage) {
+  const LogIntegrity integrity{10, 1, 2, 3, 4, true};
+  EXPECT_EQ(integrity_text(integrity),
+            "10 events, 1 on other channels, 2 damaged, 3 bytes skipped, 4 messages missing, truncated");
+  EXPECT_EQ(integrity_text({.events = 1}), "1 event, no damage");
+  EXPECT_EQ(integrity_json(integrity)["damaged_events"], 2);
+  EXPECT_EQ(integrity_json(integrity)["sound"], false);
+}
+
+}  // namespace
+}  // namespace kt

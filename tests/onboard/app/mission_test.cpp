@@ -1,0 +1,149 @@
+// Tests of a mission from its source to its sink: order of messages, stopping, bad input.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/app/mission.h"
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+#include "onboard/app/config_fields.h"
+#include "tests/onboard/app/recording_sink.h"
+
+namespace kt::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+MissionOptions small_mission() {
+  MissionOptions options;
+  options.device = exec::Device::cpu(1);
+  options.config.volume.resolution = 128;
+  options.config.volume.voxel_size_m = 0.04;
+  options.config.volume.min_slice_weight = 0.2;
+  return options;
+}
+
+std::vector<SourceItem> room_items(int count) {
+  std::vector<SourceItem> items;
+  for (int i = 0; i < count; ++i) {
+    items.push_back(frame_item(render(furnished_room(), small_calibration(),
+                                      pose_of({0, 0.5 * i, 0}, {0.01 * i, 0, 0}), {.sequence = i})));
+  }
+  return items;
+}
+
+TEST(Mission, BeginsWithTheSessionAndEndsWithTheFinalSlice) {
+  ListSource source(room_items(3));
+  RecordingSink sink;
+  const MissionSummary summary = run_mission(source, sink, small_mission());
+  EXPECT_THAT(sink.calls, ElementsAre("session", "pose", "pose", "pose", "slice", "status", "close"));
+  EXPECT_TRUE(sink.slices.back().is_final);
+  EXPECT_EQ(summary.status.frames, 3);
+  EXPECT_FALSE(summary.interrupted);
+  EXPECT_GT(summary.seconds, 0);
+  EXPECT_GT(summary.peak_memory_mib, 1);
+  EXPECT_EQ(summary.stage_times.at("frame").count, 3);
+}
+
+TEST(Mission, SessionHoldsConfigurationAndCalibration) {
+  ListSource source(room_items(2));
+  RecordingSink sink;
+  const MissionOptions options = small_mission();
+  run_mission(source, sink, options);
+  ASSERT_EQ(sink.sessions.size(), 1u);
+  const SessionHeader& session = sink.sessions.front();
+  EXPECT_EQ(session.timestamp_us, sink.poses.front().timestamp_us);
+  EXPECT_EQ(session.calibration.name, "analytic");
+  EXPECT_EQ(session.calibration.depth, small_calibration().depth);
+  EXPECT_FALSE(session.program_version.empty());
+  CollectorConfig logged;
+  apply_config_yaml(logged, session.configuration_yaml, "session");
+  EXPECT_EQ(logged.volume.resolution, options.config.volume.resolution);
+  EXPECT_EQ(logged.volume.voxel_size_m, options.config.volume.voxel_size_m);
+}
+
+TEST(Mission, RecordsRawFramesWhereAsked) {
+  ListSource source(room_items(3));
+  RecordingSink sink;
+  MissionOptions options = small_mission();
+  options.record_raw = true;
+  run_mission(source, sink, options);
+  ASSERT_EQ(sink.raw_frames.size(), 3u);
+  const std::vector<SourceItem> items = room_items(3);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(sink.raw_frames[i].sequence, static_cast<int64_t>(i));
+    EXPECT_EQ(sink.raw_frames[i].depth, items[i].frame.depth);
+    EXPECT_EQ(sink.raw_frames[i].colour, items[i].frame.colour);
+  }
+}
+
+TEST(Mission, StopFlagEndsItWithTheFlush) {
+  std::atomic<bool> stop = false;
+  ListSource source(room_items(20));
+  RecordingSink sink;
+  MissionOptions options = small_mission();
+  options.stop = &stop;
+  options.on_progress = [&](const MissionStatus& status, int64_t count) {
+    EXPECT_EQ(count, 20);
+    if (status.frames == 4) stop = true;
+  };
+  const MissionSummary summary = run_mission(source, sink, options);
+  EXPECT_TRUE(summary.interrupted);
+  EXPECT_EQ(summary.status.frames, 4);
+  EXPECT_EQ(sink.poses.size(), 4u);
+  ASSERT_FALSE(sink.slices.empty());
+  EXPECT_TRUE(sink.slices.back().is_final);
+  EXPECT_FALSE(sink.slices.back().triangles.empty());
+  EXPECT_TRUE(sink.is_closed);
+}
+
+TEST(Mission, StoppedBeforeItsFirstFrameIsNoError) {
+  std::atomic<bool> stop = true;
+  ListSource source(room_items(5));
+  RecordingSink sink;
+  MissionOptions options = small_mission();
+  options.stop = &stop;
+  const MissionSummary summary = run_mission(source, sink, options);
+  EXPECT_TRUE(summary.interrupted);
+  EXPECT_EQ(summary.status.frames, 0);
+  EXPECT_TRUE(sink.is_closed);
+}
+
+TEST(Mission, CountsSkippedFramesAndNamesTheFirstReasons) {
+  std::vector<SourceItem> items = room_items(2);
+  for (int i = 0; i < 9; ++i)
+    items.insert(items.begin() + 1, skipped_item("reason " + std::to_string(8 - i)));
+  ListSource source(items);
+  RecordingSink sink;
+  const MissionSummary summary = run_mission(source, sink, small_mission());
+  EXPECT_EQ(summary.status.frames, 2);
+  EXPECT_EQ(summary.status.frames_skipped, 9);
+  EXPECT_THAT(summary.skip_reasons, ElementsAre("reason 0", "reason 1", "reason 2", "reason 3", "reason 4"));
+  EXPECT_EQ(sink.statuses.back().frames_skipped, 9);
+}
+
+TEST(Mission, WithoutAUsableFrameIsAnErrorWithTheReason) {
+  for (const bool any : {false, true}) {
+    ListSource source(any ? std::vector<SourceItem>{skipped_item("all depth is zero")}
+                          : std::vector<SourceItem>{});
+    RecordingSink sink;
+    try {
+      run_mission(source, sink, small_mission());
+      FAIL() << "must throw";
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("no usable frame"));
+      EXPECT_THAT(error.what(), HasSubstr(any ? "all depth is zero" : "it holds none"));
+    }
+  }
+}
+
+TEST(Mission, PassesOnWhatTheSourceThrewAndKeepsWhatWasPublished) {
+  ListSource source(room_items(3), "the camera was unplugged");
+  RecordingSink sink;
+  EXPECT_THROW(run_mission(source, sink, small_mission()), Error);
+  EXPECT_EQ(sink.sessions.size(), 1u);
+  EXPECT_EQ(sink.poses.size(), 3u);
+}
+
+}  // namespace
+}  // namespace kt::test

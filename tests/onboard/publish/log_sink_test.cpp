@@ -1,0 +1,144 @@
+// The log sink stores every message in call order, and no error of its thread is lost.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/publish/log_sink.h"
+
+#include <gtest/gtest.h>
+#include <limits>
+
+#include "shared/core/check.h"
+#include "shared/wire/message_reader.h"
+#include "tests/shared/wire/sample_messages.h"
+
+namespace kt {
+namespace {
+
+RgbdFrame flat_frame(int64_t sequence) {
+  return {sequence, 33333 * sequence, 33333 * sequence + 5,
+          Image<uint16_t>(64, 48, static_cast<uint16_t>(1000 + sequence)),
+          Image<Rgb8>(64, 48, Rgb8{10, 20, 30})};
+}
+
+// Several times as many messages as the queue holds.
+constexpr int64_t kFrames = 100;
+
+void run_mission(MessageSink& sink) {
+  sink.on_session(sample_session());
+  for (int64_t i = 0; i < kFrames; ++i) {
+    sink.on_raw_frame(flat_frame(i));
+    sink.on_pose(sample_stamped_pose(i));
+    if (i % 10 == 0) sink.on_slice(sample_slice());
+    if (i % 30 == 0) sink.on_status(sample_status());
+  }
+  sink.on_keyframe(sample_keyframe());
+  sink.on_loop_closure(sample_loop());
+}
+
+TEST(LogSink, StoresEverythingInCallOrder) {
+  const ScratchDir folder;
+  LogSink sink(folder / "a.lcm", {.overwrite = false, .frames = {.lossless_colour = true}});
+  run_mission(sink);
+  sink.close();
+
+  MessageReader reader(folder / "a.lcm");
+  const auto expect_next = [&reader](const auto& sent) {
+    const auto message = reader.next();
+    ASSERT_TRUE(message);
+    const auto* received = std::get_if<std::decay_t<decltype(sent)>>(&*message);
+    ASSERT_NE(received, nullptr);
+    expect_equal(sent, *received);
+  };
+  expect_next(sample_session());
+  for (int64_t i = 0; i < kFrames; ++i) {
+    const auto message = reader.next();
+    ASSERT_TRUE(message && std::holds_alternative<CompressedFrame>(*message));
+    const RgbdFrame frame = decompress(std::get<CompressedFrame>(*message));
+    EXPECT_EQ(frame.timestamp_us, 33333 * i);
+    EXPECT_EQ(frame.depth, flat_frame(i).depth);
+    EXPECT_EQ(frame.colour, flat_frame(i).colour);
+    expect_next(sample_stamped_pose(i));
+    if (i % 10 == 0) expect_next(sample_slice());
+    if (i % 30 == 0) expect_next(sample_status());
+  }
+  expect_next(sample_keyframe());
+  expect_next(sample_loop());
+  EXPECT_FALSE(reader.next());
+  EXPECT_TRUE(reader.integrity().is_sound());
+}
+
+TEST(LogSink, SameCallsGiveSameBytes) {
+  const ScratchDir folder;
+  for (const char* name : {"a.lcm", "b.lcm"}) {
+    LogSink sink(folder / name);
+    run_mission(sink);
+    sink.close();
+  }
+  EXPECT_EQ(read_bytes(folder / "a.lcm"), read_bytes(folder / "b.lcm"));
+}
+
+TEST(LogSink, EventTimeIsSensorTime) {
+  const ScratchDir folder;
+  LogSink sink(folder / "a.lcm");
+  sink.on_pose(sample_stamped_pose(4));
+  sink.close();
+  EventLogReader reader(folder / "a.lcm");
+  const auto event = reader.next();
+  ASSERT_TRUE(event);
+  EXPECT_EQ(event->timestamp_us, sample_stamped_pose(4).timestamp_us);
+  EXPECT_EQ(event->channel, "KINTSUGI_POSE");
+}
+
+TEST(LogSink, FullDiskStopsTheCallerAndClose) {
+  LogSink sink("/dev/full");
+  std::string text;
+  try {
+    for (int64_t i = 0; i < 1000; ++i) sink.on_pose(sample_stamped_pose(i));
+  } catch (const Error& error) {
+    text = error.what();
+  }
+  EXPECT_NE(text.find("/dev/full"), std::string::npos) << text;
+  EXPECT_THROW(sink.on_pose(sample_stamped_pose(0)), Error);
+  EXPECT_THROW(sink.close(), Error);
+  EXPECT_THROW(sink.close(), Error);
+}
+
+TEST(LogSink, ErrorOfTheLastMessageSurfacesAtClose) {
+  LogSink sink("/dev/full");
+  sink.on_status(sample_status());
+  EXPECT_THROW(sink.close(), Error);
+}
+
+TEST(LogSink, BugOfTheCallerComesBackAsOne) {
+  const ScratchDir folder;
+  LogSink sink(folder / "a.lcm");
+  sink.on_pose(sample_stamped_pose(0));
+  StampedPose pose = sample_stamped_pose(1);
+  pose.T_odom_camera.translation().x() = std::numeric_limits<double>::infinity();
+  sink.on_pose(pose);
+  EXPECT_THROW(sink.close(), LogicError);
+  MessageReader reader(folder / "a.lcm");
+  EXPECT_TRUE(reader.next());
+  EXPECT_FALSE(reader.next());
+  EXPECT_TRUE(reader.integrity().is_sound());
+}
+
+TEST(LogSink, DestructorStoresWhatIsQueued) {
+  const ScratchDir folder;
+  {
+    LogSink sink(folder / "a.lcm");
+    for (int64_t i = 0; i < 20; ++i) sink.on_pose(sample_stamped_pose(i));
+  }
+  MessageReader reader(folder / "a.lcm");
+  int count = 0;
+  while (reader.next()) ++count;
+  EXPECT_EQ(count, 20);
+}
+
+TEST(LogSink, CallAfterCloseIsABug) {
+  const ScratchDir folder;
+  LogSink sink(folder / "a.lcm");
+  sink.close();
+  EXPECT_THROW(sink.on_pose(sample_stamped_pose(0)), LogicError);
+}
+
+}  // namespace
+}  // namespace kt

@@ -1,0 +1,213 @@
+// Sources behind one interface: what passes, what is skipped and why, what cannot be opened.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "onboard/source/checked_source.h"
+#include "onboard/source/frame_source.h"
+#include "shared/io/calibration_file.h"
+#include "shared/io/file.h"
+#include "shared/io/image_file.h"
+#include "shared/io/text_lines.h"
+#include "shared/synth/mission.h"
+#include "shared/wire/codec.h"
+#include "shared/wire/event_log.h"
+#include "shared/wire/frame_codec.h"
+#include "tests/shared/io/test_files.h"
+
+namespace kt {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using Kind = SourceItem::Kind;
+
+Calibration small_calibration() {
+  Calibration calibration = builtin_calibration("synthetic");
+  calibration.depth =
+      calibration.colour = {.width = 64, .height = 48, .fx = 52.5, .fy = 52.5, .cx = 31.5, .cy = 23.5};
+  calibration.invalid_depth = 65535;
+  return calibration;
+}
+
+RgbdFrame small_frame(int64_t stamp_us) {
+  return {.timestamp_us = stamp_us,
+          .colour_timestamp_us = stamp_us,
+          .depth = Image<uint16_t>(64, 48, uint16_t{5000}),
+          .colour = Image<Rgb8>(64, 48, Rgb8{9, 9, 9})};
+}
+
+/// Hands out prepared frames; an empty optional is one that cannot be read.
+class PreparedSource final : public FrameSource {
+ public:
+  explicit PreparedSource(std::vector<std::optional<RgbdFrame>> frames) : frames_(std::move(frames)) {}
+  SourceItem next() override {
+    if (next_ == frames_.size()) return {};
+    const std::optional<RgbdFrame>& frame = frames_[next_++];
+    if (!frame) throw Error("7.png: is truncated");
+    return {Kind::kFrame, *frame, {}};
+  }
+  int64_t frame_count() const override { return static_cast<int64_t>(frames_.size()); }
+  const Calibration& calibration() const override { return calibration_; }
+  const Trajectory& groundtruth() const override { return groundtruth_; }
+
+ private:
+  std::vector<std::optional<RgbdFrame>> frames_;
+  size_t next_ = 0;
+  Calibration calibration_ = small_calibration();
+  Trajectory groundtruth_;
+};
+
+TEST(CheckedSource, SkipsBadFramesWithAReasonAndGoesOn) {
+  RgbdFrame wrong_depth_size = small_frame(3), wrong_colour_size = small_frame(4),
+            empty_depth = small_frame(5);
+  wrong_depth_size.depth = Image<uint16_t>(32, 48, uint16_t{5000});
+  wrong_colour_size.colour = Image<Rgb8>(64, 24);
+  for (int64_t i = 0; i < empty_depth.depth.pixel_count(); ++i)
+    empty_depth.depth.data()[i] = i % 2 ? 0 : 65535;
+  RgbdFrame no_colour = small_frame(7);
+  no_colour.colour = {};
+  CheckedSource source(std::make_unique<PreparedSource>(std::vector<std::optional<RgbdFrame>>{
+      small_frame(1), std::nullopt, small_frame(1), small_frame(0), wrong_depth_size, wrong_colour_size,
+      empty_depth, no_colour, small_frame(8)}));
+  EXPECT_EQ(source.frame_count(), 9);
+
+  const auto expect_frame = [&](int64_t sequence, int64_t stamp_us) {
+    const SourceItem item = source.next();
+    EXPECT_EQ(item.kind, Kind::kFrame) << item.reason;
+    EXPECT_EQ(item.frame.sequence, sequence);
+    EXPECT_EQ(item.frame.timestamp_us, stamp_us);
+  };
+  const auto expect_skipped = [&](const char* reason) {
+    const SourceItem item = source.next();
+    EXPECT_EQ(item.kind, Kind::kSkipped);
+    EXPECT_THAT(item.reason, HasSubstr(reason));
+  };
+  expect_frame(0, 1);
+  expect_skipped("7.png: is truncated");
+  expect_skipped("not after the last frame's");
+  expect_skipped("not after the last frame's");
+  expect_skipped("depth image of 32 x 48 pixels, calibrated for 64 x 48");
+  expect_skipped("colour image of 64 x 24 pixels");
+  expect_skipped("no valid depth");
+  expect_frame(1, 7);
+  expect_frame(2, 8);
+  EXPECT_EQ(source.next().kind, Kind::kEnd);
+  EXPECT_EQ(source.next().kind, Kind::kEnd);
+}
+
+TEST(CheckedSource, RefusesAnAbsurdCalibration) {
+  Calibration absurd = small_calibration();
+  absurd.name = "bent";
+  absurd.depth.fx = -1;
+  EXPECT_THAT(error_of([&] {
+                CheckedSource(std::make_unique<PreparedSource>(std::vector<std::optional<RgbdFrame>>{}),
+                              absurd);
+              }),
+              AllOf(HasSubstr("bent"), HasSubstr("fx is -1")));
+}
+
+TEST(OpenSource, NamesTheKnownSchemes) {
+  for (const char* spec : {"webcam:0", "tum", "tum:", "", ":"}) {
+    EXPECT_THAT(error_of([&] { open_source(spec); }),
+                AllOf(HasSubstr(std::string("'") + spec + "'"),
+                      HasSubstr("tum:DIR, icl:DIR, 7scenes:DIR, synthetic:NAME, lcm-log:FILE")));
+  }
+  for (const char* spec :
+       {"tum:/no/such", "icl:/no/such", "7scenes:/no/such", "lcm-log:/no/such", "synthetic:nowhere"}) {
+    EXPECT_THAT(error_of([&] { open_source(spec); }),
+                HasSubstr(std::string(spec).substr(std::string(spec).find(':') + 1)));
+  }
+}
+
+TEST(OpenSource, ReadsADataset) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path() / "depth");
+  std::string list;
+  for (int i = 1; i <= 3; ++i) {
+    const std::string name = "depth/" + std::string(1, static_cast<char>('0' + i)) + ".png";
+    write_depth(folder.path() / name, small_frame(0).depth);
+    list += format_stamp_us(i * 100'000) + " " + name + "\n";
+  }
+  write_file(folder.path() / "depth.txt", list);
+  write_file(folder.path() / "rgb.txt", "");
+  fs::remove(folder.path() / "depth/2.png");
+
+  const auto source = open_source("tum:" + folder.path().string(), small_calibration());
+  EXPECT_EQ(source->calibration().depth.width, 64);
+  EXPECT_EQ(source->next().frame.timestamp_us, 100'000);
+  EXPECT_THAT(source->next().reason, HasSubstr("2.png"));
+  const SourceItem last = source->next();
+  EXPECT_EQ(last.kind, Kind::kFrame);
+  EXPECT_EQ(last.frame.sequence, 1);
+  EXPECT_EQ(last.frame.timestamp_us, 300'000);
+  EXPECT_EQ(source->next().kind, Kind::kEnd);
+}
+
+TEST(OpenSource, WithoutTheRightCalibrationEveryFrameIsSkipped) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path() / "depth");
+  write_depth(folder.path() / "depth/1.png", small_frame(0).depth);
+  write_file(folder.path() / "depth.txt", "1 depth/1.png\n");
+  write_file(folder.path() / "rgb.txt", "");
+  EXPECT_THAT(open_source("tum:" + folder.path().string())->next().reason,
+              HasSubstr("calibrated for 640 x 480"));
+}
+
+TEST(OpenSource, RendersAMission) {
+  const std::string name = synthetic_mission_names().front();
+  const auto source = open_source("synthetic:" + name);
+  const SourceItem item = source->next();
+  ASSERT_EQ(item.kind, Kind::kFrame) << item.reason;
+  EXPECT_EQ(item.frame.depth.width(), source->calibration().depth.width);
+  EXPECT_EQ(source->frame_count(), static_cast<int64_t>(source->groundtruth().size()));
+}
+
+/// A log with a session, and the frames in it.
+void write_log(const fs::path& path, const std::vector<CompressedFrame>& frames, bool with_session = true) {
+  EventLogWriter writer(path);
+  SessionHeader session;
+  session.calibration = small_calibration();
+  if (with_session) writer.write(channel_of<SessionHeader>(), 1, encode(session, 0));
+  writer.write(channel_of<MissionStatus>(), 1, encode(MissionStatus{}, 0));
+  for (size_t i = 0; i < frames.size(); ++i) {
+    writer.write(channel_of<CompressedFrame>(), frames[i].timestamp_us,
+                 encode(frames[i], static_cast<int64_t>(i)));
+  }
+  writer.close();
+}
+
+TEST(OpenSource, ReplaysTheRawFramesOfALog) {
+  const TemporaryFolder folder;
+  std::vector<CompressedFrame> frames;
+  for (int64_t i = 0; i < 3; ++i) frames.push_back(compress(small_frame(1000 + i)));
+  frames[1].depth_png.resize(frames[1].depth_png.size() / 2);
+  write_log(folder.path() / "raw.lcm", frames);
+
+  const auto source = open_source("lcm-log:" + (folder.path() / "raw.lcm").string());
+  EXPECT_EQ(source->calibration().depth, small_calibration().depth);
+  EXPECT_EQ(source->calibration().invalid_depth, 65535);
+  EXPECT_EQ(source->frame_count(), -1);
+  const SourceItem first = source->next();
+  EXPECT_EQ(first.frame.timestamp_us, 1000);
+  EXPECT_EQ(first.frame.depth, small_frame(0).depth);
+  EXPECT_EQ(source->next().kind, Kind::kSkipped);
+  const SourceItem last = source->next();
+  EXPECT_EQ(last.kind, Kind::kFrame);
+  EXPECT_EQ(last.frame.sequence, 1);
+  EXPECT_EQ(source->next().kind, Kind::kEnd);
+}
+
+TEST(OpenSource, LogsWithoutRawFramesOrSessionAreNamed) {
+  const TemporaryFolder folder;
+  write_log(folder.path() / "poses.lcm", {});
+  EXPECT_THAT(error_of([&] { open_source("lcm-log:" + (folder.path() / "poses.lcm").string()); }),
+              AllOf(HasSubstr("poses.lcm"), HasSubstr("--record-raw")));
+  write_log(folder.path() / "lost.lcm", {compress(small_frame(1))}, false);
+  EXPECT_THAT(error_of([&] { open_source("lcm-log:" + (folder.path() / "lost.lcm").string()); }),
+              AllOf(HasSubstr("lost.lcm"), HasSubstr("session")));
+}
+
+}  // namespace
+}  // namespace kt

@@ -1,0 +1,155 @@
+// Tests of the point-to-plane residual: its value, its Jacobian against differences, its gates.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/tracking/icp_kernel.h"
+
+#include <cmath>
+
+#include "gtest/gtest.h"
+
+#include "onboard/preprocess/preprocessor.h"
+#include "shared/core/rng.h"
+#include "tests/onboard/tracking/model_views.h"
+
+namespace kt::test {
+namespace {
+
+// A frame, an exact model view and a pose between them.
+class PointToPlaneTest : public testing::Test {
+ protected:
+  PointToPlane functor(const Pose& T_model_current) const {
+    const SurfaceLevel& surface = maps_->levels[0];
+    return {{surface.depth_view(), surface.normals.data(), surface.camera, to_rigid3f(T_model_current),
+             model_.camera, model_.points.data(), model_.normals.data()},
+            0.10f,
+            0.8f,
+            1.0f,
+            2.5f};
+  }
+  int64_t pixel_count() const { return maps_->levels[0].camera.pixel_count(); }
+
+  const Calibration calibration_ = small_calibration();
+  const Pose T_model_current_ = pose_of({1, -2, 0.5}, {0.02, -0.01, 0.03});
+  Preprocessor preprocessor_{exec::Device::cpu(1), calibration_, {}};
+  const FrameMaps* maps_ = &preprocessor_.process(render(furnished_room(), calibration_, T_model_current_));
+  const ModelView model_ = exact_model_view(exec::Device::cpu(1), furnished_room(),
+                                            calibration_.depth.pinhole(), Pose::Identity());
+};
+
+Pose random_perturbation(uint64_t i, double rotation_rad, double translation_m) {
+  Vector6d xi;
+  for (int k = 0; k < 6; ++k) {
+    xi[k] =
+        (k < 3 ? rotation_rad : translation_m) * (2 * random_uniform(17, static_cast<uint64_t>(k), i) - 1);
+  }
+  return exp_se3(xi);
+}
+
+TEST_F(PointToPlaneTest, JacobianEqualsCentralDifferences) {
+  constexpr double kStep = 1e-3;
+  int compared = 0;
+  for (uint64_t trial = 0; trial < 5; ++trial) {
+    const Pose T = random_perturbation(trial, 0.03, 0.03) * T_model_current_;
+    const PointToPlane at = functor(T);
+    std::vector<PointToPlane> plus, minus;
+    for (int k = 0; k < 6; ++k) {
+      plus.push_back(functor(exp_se3(kStep * Vector6d::Unit(k)) * T));
+      minus.push_back(functor(exp_se3(-kStep * Vector6d::Unit(k)) * T));
+    }
+    for (int64_t i = 0; i < pixel_count(); i += 7) {
+      const exec::ResidualRow row = at(i);
+      ProjectiveAssociation::Pair pair, other;
+      if (row.weight == 0 || !at.association.find(i, &pair)) continue;
+      for (size_t k = 0; k < 6; ++k) {
+        const auto residual = [&](const PointToPlane& moved) -> std::optional<double> {
+          // The derivative is that of a fixed pair of points.
+          if (!moved.association.find(i, &other) || squared_norm(other.model_p - pair.model_p) != 0)
+            return std::nullopt;
+          return dot(other.model_n, other.p - other.model_p);
+        };
+        const auto ahead = residual(plus[k]), behind = residual(minus[k]);
+        if (!ahead || !behind) continue;
+        ++compared;
+        ASSERT_NEAR(row.jacobian[k], (*ahead - *behind) / (2 * kStep), 1e-3)
+            << "pixel " << i << ", parameter " << k;
+      }
+    }
+  }
+  EXPECT_GT(compared, 20'000);
+}
+
+TEST_F(PointToPlaneTest, ResidualAndWeightEqualTheSlowFormula) {
+  const Pose T = random_perturbation(3, 0.01, 0.01) * T_model_current_;
+  const PointToPlane at = functor(T);
+  int compared = 0;
+  for (int64_t i = 0; i < pixel_count(); ++i) {
+    const exec::ResidualRow row = at(i);
+    if (row.weight == 0) continue;
+    const PinholeParams& camera = maps_->levels[0].camera;
+    const int u = static_cast<int>(i % camera.width), v = static_cast<int>(i / camera.width);
+    const double z = maps_->levels[0].depth_view().at(u, v);
+    const Eigen::Vector3d p =
+        T * (z * Eigen::Vector3d((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1));
+    // The model pixel by projection; a point on the border between two pixels may fall either way.
+    const double mu = p.x() / p.z() * camera.fx + camera.cx, mv = p.y() / p.z() * camera.fy + camera.cy;
+    if (std::abs(mu - std::floor(mu) - 0.5) < 0.01 || std::abs(mv - std::floor(mv) - 0.5) < 0.01) continue;
+    const auto m = static_cast<int64_t>(std::lround(mv)) * camera.width + std::lround(mu);
+    const Vec3f q = xyz(model_.points.data()[m]), n = xyz(model_.normals.data()[m]);
+    const double r = Eigen::Vector3d(n.x, n.y, n.z).dot(p - Eigen::Vector3d(q.x, q.y, q.z));
+    const double sigma = 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4), scaled = r / (2.5 * sigma);
+    ++compared;
+    ASSERT_NEAR(row.residual, r, 2e-6) << i;
+    ASSERT_NEAR(row.weight, 1 / (sigma * sigma * (1 + scaled * scaled)), 1e-3 / (sigma * sigma)) << i;
+  }
+  EXPECT_GT(compared, 10'000);
+}
+
+TEST_F(PointToPlaneTest, AtTheTruthResidualsVanish) {
+  double sum = 0;
+  int count = 0;
+  for (int64_t i = 0; i < pixel_count(); ++i) {
+    const exec::ResidualRow row = functor(T_model_current_)(i);
+    if (row.weight == 0) continue;
+    sum += std::abs(row.residual);
+    ++count;
+  }
+  EXPECT_GT(count, 15'000);
+  EXPECT_LT(sum / count, 1e-3);
+}
+
+TEST_F(PointToPlaneTest, DropsPairsThatAreFarApartOrTurned) {
+  PointToPlane strict = functor(pose_of({0, 0, 0}, {0, 0, 0.05}) * T_model_current_);
+  strict.max_distance_m = 0.04f;  // every true pair is about 5 cm apart along some direction
+  PointToPlane turned = functor(T_model_current_);
+  turned.min_normal_cosine = 1.1f;
+  for (int64_t i = 0; i < pixel_count(); ++i) {
+    const exec::ResidualRow row = strict(i);
+    ProjectiveAssociation::Pair pair;
+    if (row.weight > 0) {
+      ASSERT_TRUE(strict.association.find(i, &pair));
+      ASSERT_LE(norm(pair.p - pair.model_p), 0.04f + 1e-6f);
+    }
+    ASSERT_EQ(turned(i).weight, 0);
+  }
+}
+
+TEST_F(PointToPlaneTest, PointsBehindTheModelCameraMeetNothing) {
+  const PointToPlane behind = functor(pose_of({0, 180, 0}, {0, 0, 0}));
+  for (int64_t i = 0; i < pixel_count(); ++i) ASSERT_EQ(behind(i).weight, 0) << i;
+}
+
+TEST_F(PointToPlaneTest, CountsMeasuredAndAssociatedPixels) {
+  const ModelView half = exact_model_view(exec::Device::cpu(1), furnished_room(),
+                                          calibration_.depth.pinhole(), Pose::Identity(), 80);
+  ProjectiveAssociation pairs = functor(T_model_current_).association;
+  pairs.model_points = half.points.data();
+  double measured = 0, associated = 0;
+  for (int64_t i = 0; i < pixel_count(); ++i) {
+    measured += CountPixels{pairs, false}(i).weight;
+    associated += CountPixels{pairs, true}(i).weight;
+  }
+  EXPECT_GT(measured, 0.95 * static_cast<double>(pixel_count()));
+  EXPECT_NEAR(associated / measured, 0.5, 0.05);
+}
+
+}  // namespace
+}  // namespace kt::test

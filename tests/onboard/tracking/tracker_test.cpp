@@ -1,0 +1,253 @@
+// Tests of frame-to-model tracking in scenes with known motion.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/tracking/tracker.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "gtest/gtest.h"
+
+#include "shared/core/rng.h"
+#include "tests/onboard/tracking/model_views.h"
+#include "tests/support/devices.h"
+#include "tests/support/pose_matchers.h"
+
+namespace kt::test {
+namespace {
+
+// Tracks a rendered frame against an exact view of the scene.
+struct Trial {
+  AnalyticScene scene = furnished_room();
+  Pose T_odom_model = Pose::Identity();
+  Pose T_odom_camera = Pose::Identity();  // the truth
+  Pose T_odom_guess = Pose::Identity();
+  std::optional<Pose> T_odom_last;  // the model's where not given
+  RenderOptions render_options;
+  Calibration calibration = small_calibration();
+  TrackingConfig config;
+  int model_columns = 1 << 20;
+  bool half_model = false;
+  exec::Device device = exec::Device::cpu(1);
+
+  TrackResult run() const { return run(render(scene, calibration, T_odom_camera, render_options)); }
+  TrackResult run(const RgbdFrame& frame) const {
+    const PinholeParams camera = calibration.depth.pinhole();
+    Preprocessor preprocessor(device, calibration, {});
+    const ModelView model =
+        exact_model_view(device, scene, half_model ? camera.half() : camera, T_odom_model, model_columns);
+    return Tracker(device, camera, config)
+        .track(preprocessor.process(frame), model, T_odom_guess, T_odom_last.value_or(T_odom_model));
+  }
+};
+
+std::vector<Pose> small_motions() {
+  std::vector<Pose> motions;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      motions.push_back(pose_of({0, 0, 0}, 0.03 * sign * Eigen::Vector3d::Unit(axis)));
+      motions.push_back(pose_of(2 * sign * Eigen::Vector3d::Unit(axis), {0, 0, 0}));
+    }
+  }
+  motions.push_back(pose_of({1.5, -1, 2}, {0.02, 0.03, -0.04}));
+  motions.push_back(pose_of({-2, 2.5, -1}, {-0.03, 0.01, 0.05}));
+  return motions;
+}
+
+TEST(Tracker, RecoversSmallMotionsToAFractionOfAMillimetre) {
+  for (const Pose& motion : small_motions()) {
+    Trial trial;
+    trial.scene = room_corner();
+    trial.calibration = small_calibration(2);
+    trial.T_odom_model = trial.T_odom_guess = pose_of({3, -5, 2}, {0.1, -0.1, 0.1});
+    trial.T_odom_camera = trial.T_odom_model * motion;
+    trial.half_model = motion.translation().z() != 0;  // a model view may be coarser than the frame
+    const TrackResult result = trial.run();
+    EXPECT_EQ(result.status, TrackingStatus::kGood);
+    EXPECT_POSE_NEAR(result.T_odom_camera, trial.T_odom_camera, 0.02, 5e-4);
+  }
+}
+
+// Edges and creases are as wide as a few of these coarse pixels.
+TEST(Tracker, RecoversSmallMotionsAmongFurniture) {
+  for (const Pose& motion : small_motions()) {
+    Trial trial;
+    trial.T_odom_model = trial.T_odom_guess = pose_of({3, -5, 2}, {0.2, -0.1, 0.3});
+    trial.T_odom_camera = trial.T_odom_model * motion;
+    const TrackResult result = trial.run();
+    EXPECT_EQ(result.status, TrackingStatus::kGood);
+    EXPECT_POSE_NEAR(result.T_odom_camera, trial.T_odom_camera, 0.1, 0.006);
+  }
+}
+
+TEST(Tracker, DoesNotDependMuchOnTheGuess) {
+  Trial trial;
+  trial.T_odom_camera = pose_of({1, 2, -1}, {0.03, -0.02, 0.02});
+  trial.T_odom_guess = trial.T_odom_camera;
+  const Pose from_truth = trial.run().T_odom_camera;
+  for (const Pose& off : small_motions()) {
+    trial.T_odom_guess = trial.T_odom_camera * off;
+    EXPECT_POSE_NEAR(trial.run().T_odom_camera, from_truth, 0.02, 5e-4);
+  }
+}
+
+TEST(Tracker, ToleratesSensorNoise) {
+  Trial trial;
+  trial.scene = room_corner();
+  trial.calibration = small_calibration(2);
+  trial.T_odom_camera = pose_of({1, 2, -1}, {0.03, -0.02, 0.02});
+  for (uint64_t seed = 0; seed < 3; ++seed) {
+    trial.render_options = {.noise_sigmas = 1, .seed = seed};
+    const TrackResult result = trial.run();
+    EXPECT_EQ(result.status, TrackingStatus::kGood);
+    EXPECT_POSE_NEAR(result.T_odom_camera, trial.T_odom_camera, 0.05, 0.002);
+  }
+}
+
+TEST(Tracker, JudgesAGoodFitAsOne) {
+  Trial trial;
+  trial.T_odom_camera = pose_of({0, 1, 0}, {0.01, 0, 0});
+  const TrackResult result = trial.run();
+  EXPECT_GT(result.inlier_share, 0.9);
+  EXPECT_GT(result.overlap, 0.9);
+  EXPECT_LT(result.rms_m, 0.003);
+  EXPECT_GT(result.min_eigenvalue, 0.01);
+}
+
+// A wall leaves sliding along it and turning about its normal free: there the guess must stay.
+TEST(Tracker, KeepsTheGuessWhereAWallSaysNothing) {
+  Trial trial;
+  trial.scene = AnalyticScene({Plane{{0, 0, -1}, -1.5}});
+  trial.T_odom_camera = pose_of({1, -1, 0}, {0, 0, 0.03});
+  trial.T_odom_guess = pose_of({0, 0, 1.5}, {0.02, -0.03, 0});
+  const TrackResult result = trial.run();
+  const Pose& T = result.T_odom_camera;
+  EXPECT_NEAR(T.translation().z(), 0.03, 5e-4) << "the wall measures its distance";
+  const Eigen::Vector3d wall_camera = T.linear().transpose() * Eigen::Vector3d(0, 0, -1),
+                        truth = trial.T_odom_camera.linear().transpose() * Eigen::Vector3d(0, 0, -1);
+  EXPECT_LT((wall_camera - truth).norm(), 5e-4) << "and its two tilts";
+  EXPECT_NEAR(T.translation().x(), 0.02, 2e-3);
+  EXPECT_NEAR(T.translation().y(), -0.03, 2e-3);
+  EXPECT_NEAR(log_so3(T.linear()).z() * 180 / M_PI, 1.5, 0.05);
+  EXPECT_LT(result.min_eigenvalue, 1e-3);
+}
+
+TEST(Tracker, KeepsTheGuessAlongABareCorridor) {
+  Trial trial;
+  trial.scene = AnalyticScene(
+      {Plane{{1, 0, 0}, -0.8}, Plane{{-1, 0, 0}, -0.9}, Plane{{0, -1, 0}, -1.0}, Plane{{0, 1, 0}, -1.3}});
+  trial.calibration = small_calibration(2);
+  trial.T_odom_camera = pose_of({1, 1, 1}, {0.02, -0.01, 0});
+  trial.T_odom_guess = pose_of({0, 0, 0}, {0, 0, 0.07});
+  const TrackResult result = trial.run();
+  EXPECT_NEAR(result.T_odom_camera.translation().z(), 0.07, 3e-3);
+  Pose across = result.T_odom_camera;
+  across.translation().z() = 0;
+  EXPECT_POSE_NEAR(across, trial.T_odom_camera, 0.1, 1e-3);
+}
+
+TEST(Tracker, InformationIsLeastWhereGeometryIsWeak) {
+  Trial trial;
+  trial.scene = AnalyticScene({Plane{{0, 0, -1}, -1.5}});
+  const Matrix6d information = trial.run().information;
+  EXPECT_LT((information - information.transpose()).cwiseAbs().maxCoeff(),
+            1e-9 * information.cwiseAbs().maxCoeff());
+  EXPECT_GT(information(5, 5), 1e4) << "1 cm at worst towards the wall";
+  EXPECT_LT(information(3, 3), 1e-3 * information(5, 5)) << "nothing along it";
+  EXPECT_LT(information(4, 4), 1e-3 * information(5, 5));
+}
+
+// Normalised estimation error squared: 6 on average for a consistent covariance, less for a cautious one.
+TEST(Tracker, InformationIsNotOverconfident) {
+  Trial trial;
+  constexpr uint64_t kTrials = 20;
+  double sum = 0;
+  for (uint64_t seed = 0; seed < kTrials; ++seed) {
+    trial.render_options = {.noise_sigmas = 1, .seed = 100 + seed};
+    const TrackResult result = trial.run();
+    const Vector6d error = log_se3(result.T_odom_camera * trial.T_odom_camera.inverse());
+    sum += error.dot(result.information * error);
+  }
+  EXPECT_LT(sum / kTrials, 12);
+}
+
+TEST(Tracker, IsUncertainThenLostAsOverlapShrinks) {
+  Trial trial;
+  trial.model_columns = 160;
+  EXPECT_EQ(trial.run().status, TrackingStatus::kGood);
+  trial.model_columns = 18;  // 11 %, asked are 15 %
+  EXPECT_EQ(trial.run().status, TrackingStatus::kUncertain);
+  trial.model_columns = 6;
+  EXPECT_EQ(trial.run().status, TrackingStatus::kLost);
+  trial.model_columns = 0;
+  EXPECT_EQ(trial.run().status, TrackingStatus::kLost);
+}
+
+TEST(Tracker, IsLostWhenTheCameraLooksElsewhere) {
+  Trial trial;
+  trial.T_odom_camera = trial.T_odom_guess = pose_of({0, 170, 0}, {0, 0, 0});
+  trial.T_odom_last = trial.T_odom_camera;
+  EXPECT_EQ(trial.run().status, TrackingStatus::kLost);
+}
+
+TEST(Tracker, DoesNotBelieveJumps) {
+  Trial trial;
+  trial.T_odom_camera = trial.T_odom_guess = pose_of({0, 3, 0}, {0.02, 0, 0});
+  trial.T_odom_last = trial.T_odom_camera * pose_of({0, 0, 0}, {0.2, 0, 0});
+  EXPECT_EQ(trial.run().status, TrackingStatus::kGood) << "within the limits";
+  trial.T_odom_last = trial.T_odom_camera * pose_of({0, 0, 0}, {0.3, 0, 0});
+  EXPECT_EQ(trial.run().status, TrackingStatus::kLost);
+  trial.T_odom_last = trial.T_odom_camera * pose_of({0, 25, 0}, {0, 0, 0});
+  EXPECT_EQ(trial.run().status, TrackingStatus::kLost);
+}
+
+TEST(Tracker, DoesNotTakeNoiseForASurface) {
+  const Calibration calibration = small_calibration();
+  for (uint64_t seed = 0; seed < 3; ++seed) {
+    RgbdFrame frame;
+    frame.depth = Image<uint16_t>(160, 120);
+    for (int64_t i = 0; i < frame.depth.pixel_count(); ++i) {
+      frame.depth.data()[i] =
+          static_cast<uint16_t>(5'000 + random_bits(seed, 0, static_cast<uint64_t>(i)) % 45'000);
+    }
+    EXPECT_NE(Trial().run(frame).status, TrackingStatus::kGood) << seed;
+  }
+}
+
+TEST(Tracker, DoesNotTakeAnotherPlaceForThisOne) {
+  Trial trial;
+  const AnalyticScene other =
+      AnalyticScene::room({-1.2, -2, -3}, {2.5, 0.8, 1.6}).with(Sphere{{-0.5, 0, 1.0}, 0.3});
+  const TrackResult result = trial.run(render(other, small_calibration(), pose_of({0, 35, 0}, {0, 0, 0})));
+  EXPECT_NE(result.status, TrackingStatus::kGood);
+}
+
+TEST(Tracker, IsLostWithoutMeasurements) {
+  RgbdFrame frame;
+  frame.depth = Image<uint16_t>(160, 120);
+  Trial trial;
+  trial.T_odom_guess = pose_of({0, 1, 0}, {0.01, 0, 0});
+  const TrackResult result = trial.run(frame);
+  EXPECT_EQ(result.status, TrackingStatus::kLost);
+  EXPECT_TRUE(is_valid_pose(result.T_odom_camera));
+  EXPECT_EQ(result.information, Matrix6d::Zero());
+}
+
+TEST(Tracker, GivesTheSameBitsOnEveryDevice) {
+  Trial trial;
+  trial.T_odom_camera = pose_of({1.5, -1, 2}, {0.02, 0.03, -0.04});
+  trial.render_options = {.noise_sigmas = 1, .seed = 3};
+  trial.device = exec::Device::cpu(1);
+  const TrackResult reference = trial.run();
+  for (const exec::Device& device : parity_devices()) {
+    trial.device = device;
+    const TrackResult result = trial.run();
+    EXPECT_EQ(result.T_odom_camera.matrix(), reference.T_odom_camera.matrix()) << name_of(device);
+    EXPECT_EQ(result.information, reference.information) << name_of(device);
+    EXPECT_EQ(result.overlap, reference.overlap);
+    EXPECT_EQ(result.inlier_share, reference.inlier_share);
+    EXPECT_EQ(result.rms_m, reference.rms_m);
+  }
+}
+
+}  // namespace
+}  // namespace kt::test

@@ -1,0 +1,93 @@
+// Tests of device memory.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/exec/buffer.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+#include "shared/core/vec.h"
+#include "tests/support/devices.h"
+
+namespace kt::exec {
+namespace {
+
+TEST(Buffer, IsZeroedAtFirst) {
+  for (const Device& device : test::parity_devices()) {
+    // Small and large blocks come from different allocators.
+    for (const int64_t size : {1, 1000, 3'000'000}) {
+      { Buffer<int32_t>(device, size).upload(std::vector<int32_t>(static_cast<size_t>(size), -1)); }
+      const std::vector<int32_t> values = Buffer<int32_t>(device, size).downloaded();
+      EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](int32_t x) { return x == 0; }))
+          << test::name_of(device) << ", " << size;
+    }
+  }
+}
+
+TEST(Buffer, GivesBackWhatWasUploaded) {
+  std::vector<int32_t> values(1234);
+  std::iota(values.begin(), values.end(), -7);
+  for (const Device& device : test::parity_devices()) {
+    Buffer<int32_t> buffer(device, 1234);
+    buffer.upload(values);
+    EXPECT_EQ(buffer.downloaded(), values);
+    EXPECT_EQ(buffer.downloaded(3), (std::vector<int32_t>{-7, -6, -5}));
+    buffer.fill_zero();
+    EXPECT_EQ(buffer.downloaded(), std::vector<int32_t>(1234));
+  }
+}
+
+TEST(Buffer, MovesItsMemory) {
+  const Device device = Device::cpu(1);
+  Buffer<int32_t> first(device, 4);
+  first.upload(std::vector<int32_t>{1, 2, 3, 4});
+  const int32_t* memory = first.data();
+  Buffer<int32_t> second = std::move(first);
+  EXPECT_EQ(second.data(), memory);
+  second = Buffer<int32_t>(device, 2);
+  EXPECT_EQ(second.size(), 2);
+  EXPECT_FALSE(std::is_copy_constructible_v<Buffer<int32_t>>);
+}
+
+TEST(Buffer, MovedFromIsEmpty) {
+  Buffer<int32_t> first(Device::cpu(1), 4);
+  const Buffer<int32_t> second = std::move(first);
+  EXPECT_EQ(first.size(), 0);  // NOLINT(bugprone-use-after-move): what is left is the point
+  EXPECT_EQ(first.data(), nullptr);
+}
+
+TEST(Buffer, MayBeEmpty) {
+  for (const Device& device : test::parity_devices()) {
+    Buffer<float> buffer(device, 0);
+    buffer.upload({});
+    buffer.fill_zero();
+    EXPECT_TRUE(buffer.downloaded().empty());
+  }
+}
+
+TEST(Buffer, RefusesMoreThanItHolds) {
+  Buffer<int32_t> buffer(Device::cpu(1), 2);
+  std::vector<int32_t> three(3);
+  EXPECT_THROW(buffer.upload(three), LogicError);
+  EXPECT_THROW(buffer.download(three), LogicError);
+}
+
+TEST(Buffer, IsAlignedForItsType) {
+  for (const int64_t size : {1, 3, 100'000}) {
+    EXPECT_EQ(reinterpret_cast<uintptr_t>(Buffer<Vec4f>(Device::cpu(1), size).data()) % alignof(Vec4f), 0u);
+  }
+}
+
+TEST(Buffer, SaysHowMuchMemoryIsMissing) {
+  try {
+    const Buffer<double> buffer(Device::cpu(1), int64_t{1} << 56);
+    FAIL() << "half an exabyte cannot be had";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("memory"));
+  }
+}
+
+}  // namespace
+}  // namespace kt::exec

@@ -1,0 +1,120 @@
+// Tests of the reduction against a slow sum in double, and of its bits across devices.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/exec/normal_equations.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "gtest/gtest.h"
+
+#include "tests/shared/exec/exec_test_kernels.h"
+#include "tests/support/devices.h"
+
+namespace kt::exec {
+namespace {
+
+using test::RandomResidual;
+
+// Neither multiples of the 32 lanes nor of the 2048 elements of a chunk, and some that are.
+constexpr int64_t kSizes[] = {0, 1, 31, 32, 33, 2047, 2048, 2049, 5000, 19'200, 76'801};
+
+NormalEquations reduce(const Device& device, int64_t count, const RandomResidual& functor) {
+  ReductionWorkspace workspace(device, count);
+  return reduce_normal_equations(device, count, functor, workspace);
+}
+
+NormalEquations slow_sum(int64_t count, const RandomResidual& functor) {
+  NormalEquations sum;
+  for (int64_t n = 0; n < count; ++n) {
+    const ResidualRow row = functor(n);
+    if (row.weight == 0) continue;
+    const double w = row.weight, r = row.residual;
+    for (int i = 0; i < 6; ++i) {
+      for (int j = 0; j < 6; ++j) sum.A[i][j] += w * row.jacobian[i] * row.jacobian[j];
+      sum.b[i] += w * row.jacobian[i] * r;
+    }
+    sum.weighted_squares += w * r * r;
+    sum.weights += w;
+    ++sum.count;
+  }
+  return sum;
+}
+
+bool same_bits(const NormalEquations& a, const NormalEquations& b) {
+  return std::memcmp(&a, &b, sizeof(a)) == 0;
+}
+
+TEST(NormalEquations, EqualTheSlowSum) {
+  for (const int64_t count : kSizes) {
+    for (const int64_t keep : {1, 3, 97}) {
+      const RandomResidual functor{11, keep};
+      const NormalEquations fast = reduce(Device::cpu(2), count, functor), slow = slow_sum(count, functor);
+      const double tolerance = 1e-5 * std::sqrt(static_cast<double>(count) + 1);
+      for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 6; ++j)
+          EXPECT_NEAR(fast.A[i][j], slow.A[i][j], tolerance + 1e-6 * std::abs(slow.A[i][j]));
+        EXPECT_NEAR(fast.b[i], slow.b[i], tolerance);
+      }
+      EXPECT_NEAR(fast.weighted_squares, slow.weighted_squares, tolerance + 1e-6 * slow.weighted_squares);
+      EXPECT_NEAR(fast.weights, slow.weights, tolerance + 1e-6 * slow.weights);
+      EXPECT_EQ(fast.count, slow.count) << count << " keep " << keep;
+    }
+  }
+}
+
+TEST(NormalEquations, HaveTheSameBitsOnEveryDevice) {
+  for (const int64_t count : kSizes) {
+    for (const int64_t keep : {1, 5, 4000}) {
+      const RandomResidual functor{3, keep};
+      const NormalEquations reference = reduce(Device::cpu(1), count, functor);
+      for (const Device& device : test::parity_devices()) {
+        EXPECT_TRUE(same_bits(reduce(device, count, functor), reference))
+            << test::name_of(device) << ", " << count << " residuals";
+      }
+    }
+  }
+}
+
+TEST(NormalEquations, RepeatInTheSameWorkspace) {
+  const Device device = Device::cpu(3);
+  ReductionWorkspace workspace(device, 10'000);
+  const NormalEquations first = reduce_normal_equations(device, 7'000, RandomResidual{1, 1}, workspace);
+  reduce_normal_equations(device, 10'000, RandomResidual{2, 1}, workspace);  // leaves other sums behind
+  EXPECT_TRUE(same_bits(reduce_normal_equations(device, 7'000, RandomResidual{1, 1}, workspace), first));
+}
+
+TEST(NormalEquations, OfNoWeightAreZero) {
+  for (const Device& device : test::parity_devices()) {
+    EXPECT_TRUE(same_bits(reduce(device, 5000, RandomResidual{1, 0}), NormalEquations{}))
+        << test::name_of(device);
+  }
+}
+
+TEST(NormalEquations, ChunksFollowTheStatedShape) {
+  EXPECT_EQ(ReductionWorkspace::chunks(0), 0);
+  EXPECT_EQ(ReductionWorkspace::chunks(kReductionChunk), 1);
+  EXPECT_EQ(ReductionWorkspace::chunks(kReductionChunk + 1), 2);
+  // Lane l sums l, l + 32, ... in float; lanes are halved; chunks add in double: redone here by hand.
+  const RandomResidual functor{8, 1};
+  constexpr int64_t kCount = 3000;
+  double expected = 0;
+  for (int64_t begin = 0; begin < kCount; begin += kReductionChunk) {
+    float lanes[kReductionLanes] = {};
+    for (int64_t i = begin; i < std::min<int64_t>(kCount, begin + kReductionChunk); ++i)
+      lanes[i % kReductionLanes] += functor(i).weight;
+    for (int half = kReductionLanes / 2; half > 0; half /= 2) {
+      for (int l = 0; l < half; ++l) lanes[l] += lanes[l + half];
+    }
+    expected += static_cast<double>(lanes[0]);
+  }
+  EXPECT_EQ(reduce(Device::cpu(2), kCount, functor).weights, expected);
+}
+
+TEST(NormalEquations, DoNotFitASmallerWorkspace) {
+  const Device device = Device::cpu(1);
+  ReductionWorkspace workspace(device, kReductionChunk);
+  EXPECT_THROW(workspace.sum(kReductionChunk + 1), LogicError);
+}
+
+}  // namespace
+}  // namespace kt::exec

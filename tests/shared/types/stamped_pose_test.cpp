@@ -1,0 +1,18 @@
+// Tests of the names of the tracking states.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/types/stamped_pose.h"
+
+#include "gtest/gtest.h"
+
+namespace kt {
+namespace {
+
+TEST(TrackingStatus, HasAName) {
+  EXPECT_STREQ(to_string(TrackingStatus::kGood), "good");
+  EXPECT_STREQ(to_string(TrackingStatus::kUncertain), "uncertain");
+  EXPECT_STREQ(to_string(TrackingStatus::kLost), "lost");
+  EXPECT_STREQ(to_string(static_cast<TrackingStatus>(17)), "unknown");  // as a damaged log may hold
+}
+
+}  // namespace
+}  // namespace kt

@@ -1,0 +1,179 @@
+// A damaged log: everything intact is delivered exactly, everything else is counted.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/wire/message_reader.h"
+
+#include <gtest/gtest.h>
+
+#include "shared/wire/codec.h"
+#include "shared/wire/event_log_format.h"
+#include "tests/shared/wire/sample_messages.h"
+
+namespace kt {
+namespace {
+
+using Bytes = std::vector<uint8_t>;
+
+// A small mission: all types, and some poses.
+std::vector<Message> small_mission() {
+  std::vector<Message> mission = sample_messages();
+  for (int64_t i = 8; i < 11; ++i) mission.push_back(sample_stamped_pose(i));
+  return mission;
+}
+
+// Writes the mission, numbering each channel; leaves out the events whose index is in `lost`.
+Bytes log_of(const std::vector<Message>& mission, const std::vector<size_t>& lost = {}) {
+  const ScratchDir folder;
+  std::array<int64_t, kChannels.size()> sequence{};
+  EventLogWriter writer(folder / "a.lcm");
+  for (size_t i = 0; i < mission.size(); ++i) {
+    const auto bytes =
+        std::visit([&](const auto& m) { return encode(m, sequence[mission[i].index()]++); }, mission[i]);
+    if (std::find(lost.begin(), lost.end(), i) == lost.end())
+      writer.write(kChannels[mission[i].index()], 1000, bytes);
+  }
+  writer.close();
+  return read_bytes(folder / "a.lcm");
+}
+
+struct Reading {
+  std::vector<Message> messages;
+  LogIntegrity integrity;
+};
+
+Reading read_all(const Bytes& log) {
+  MessageReader reader(EventLogReader(log, "test"));
+  Reading reading;
+  while (auto message = reader.next()) reading.messages.push_back(std::move(*message));
+  reading.integrity = reader.integrity();
+  return reading;
+}
+
+// Expects `got` to be `mission` with some messages left out, each of the others exact and in order.
+void expect_subsequence(const std::vector<Message>& mission, const std::vector<Message>& got) {
+  size_t next = 0;
+  for (const Message& message : got) {
+    const auto bytes = [](const Message& m) {
+      return std::visit([](const auto& x) { return encode(x, 0); }, m);
+    };
+    while (next < mission.size() &&
+           (mission[next].index() != message.index() || bytes(mission[next]) != bytes(message)))
+      ++next;
+    ASSERT_LT(next, mission.size()) << "a message that was never written";
+    ++next;
+  }
+}
+
+TEST(MessageReader, ReadsWhatWasWritten) {
+  const std::vector<Message> mission = small_mission();
+  const Reading reading = read_all(log_of(mission));
+  ASSERT_EQ(reading.messages.size(), mission.size());
+  for (size_t i = 0; i < mission.size(); ++i) expect_equal(mission[i], reading.messages[i]);
+  EXPECT_TRUE(reading.integrity.is_sound());
+  EXPECT_EQ(reading.integrity.events, static_cast<int64_t>(mission.size()));
+  EXPECT_EQ(reading.integrity.unknown_events, 0);
+}
+
+TEST(MessageReader, SameInputGivesSameBytes) { EXPECT_EQ(log_of(small_mission()), log_of(small_mission())); }
+
+TEST(MessageReader, EveryFlippedByteIsCountedAndCostsAtMostOneMessage) {
+  const std::vector<Message> mission = small_mission();
+  const Bytes log = log_of(mission);
+  // Event numbers and event times are no part of a message; damage there costs nothing and shows nowhere.
+  std::vector<bool> harmless(log.size(), false);
+  EventLogReader events(log, "test");
+  for (int64_t start = 0; events.next(); start = events.position()) {
+    for (size_t i = kEventNumberOffset; i < kChannelLengthOffset; ++i)
+      harmless[static_cast<size_t>(start) + i] = true;
+  }
+  for (size_t i = 0; i < log.size(); ++i) {
+    for (const uint8_t mask : {0x01, 0x10, 0xff}) {
+      SCOPED_TRACE("byte " + std::to_string(i));
+      Bytes damaged = log;
+      damaged[i] ^= mask;
+      const Reading reading = read_all(damaged);
+      expect_subsequence(mission, reading.messages);
+      EXPECT_EQ(reading.messages.size(), harmless[i] ? mission.size() : mission.size() - 1);
+      EXPECT_EQ(reading.integrity.is_sound() && reading.integrity.unknown_events == 0, harmless[i]);
+    }
+  }
+}
+
+TEST(MessageReader, EveryTruncationKeepsTheWholeEventsBefore) {
+  const std::vector<Message> mission = small_mission();
+  const Bytes log = log_of(mission);
+  std::vector<size_t> ends = {0};
+  EventLogReader events(log, "test");
+  while (events.next()) ends.push_back(static_cast<size_t>(events.position()));
+  for (size_t size = 0; size < log.size(); ++size) {
+    SCOPED_TRACE("cut to " + std::to_string(size));
+    const Reading reading = read_all(Bytes(log.begin(), log.begin() + static_cast<std::ptrdiff_t>(size)));
+    const auto whole =
+        static_cast<size_t>(std::upper_bound(ends.begin(), ends.end(), size) - ends.begin()) - 1;
+    ASSERT_EQ(reading.messages.size(), whole);
+    expect_subsequence(mission, reading.messages);
+    EXPECT_EQ(reading.integrity.truncated, ends[whole] != size);
+    EXPECT_EQ(reading.integrity.skipped_bytes, 0);
+  }
+}
+
+TEST(MessageReader, CountsGapsPerChannel) {
+  // Poses stand at 1, 7, 8 and 9; the slice at 2.
+  const Bytes log = log_of(small_mission(), {1, 8});
+  MessageReader reader(EventLogReader(log, "test"));
+  while (reader.next()) {
+  }
+  EXPECT_EQ(reader.channels()[message_index<StampedPose>()].messages, 2);
+  EXPECT_EQ(reader.channels()[message_index<StampedPose>()].missing, 2);
+  EXPECT_EQ(reader.channels()[message_index<CloudSlice>()].missing, 0);
+  EXPECT_EQ(reader.integrity().missing_messages, 2);
+  EXPECT_FALSE(reader.integrity().is_sound());
+}
+
+TEST(MessageReader, GapsAddUpWithoutOverflow) {
+  const ScratchDir folder;
+  EventLogWriter writer(folder / "a.lcm");
+  writer.write(channel_of<StampedPose>(), 0, encode(sample_stamped_pose(), INT64_MAX));
+  writer.write(channel_of<StampedPose>(), 0, encode(sample_stamped_pose(), 0));
+  writer.write(channel_of<StampedPose>(), 0, encode(sample_stamped_pose(), INT64_MAX));
+  writer.write(channel_of<MissionStatus>(), 0, encode(sample_status(), INT64_MAX));
+  MessageReader reader(folder / "a.lcm");
+  while (reader.next()) {
+  }
+  EXPECT_EQ(reader.integrity().missing_messages, INT64_MAX);
+}
+
+TEST(MessageReader, CountsUnknownChannels) {
+  const ScratchDir folder;
+  EventLogWriter writer(folder / "a.lcm");
+  writer.write("ODOMETRY", 5, Bytes{1, 2, 3});
+  writer.write(channel_of<MissionStatus>(), 6, encode(sample_status(), 0));
+  writer.write("EMPTY", 7, {});
+  writer.close();
+  const Reading reading = read_all(read_bytes(folder / "a.lcm"));
+  ASSERT_EQ(reading.messages.size(), 1u);
+  EXPECT_EQ(reading.integrity.unknown_events, 2);
+  EXPECT_EQ(reading.integrity.events, 3);
+  EXPECT_TRUE(reading.integrity.is_sound());
+}
+
+TEST(MessageReader, SkippedTypesAreStillCheckedAndCounted) {
+  const std::vector<Message> mission = small_mission();
+  Bytes log = log_of(mission);
+  log.back() ^= 1;  // the last pose
+  MessageReader reader(EventLogReader(log, "test"));
+  reader.skip<StampedPose>();
+  reader.skip<CloudSlice>();
+  size_t count = 0;
+  while (const auto message = reader.next()) {
+    EXPECT_FALSE(std::holds_alternative<StampedPose>(*message) ||
+                 std::holds_alternative<CloudSlice>(*message));
+    ++count;
+  }
+  EXPECT_EQ(count, 5u);
+  EXPECT_EQ(reader.channels()[message_index<StampedPose>()].messages, 3);
+  EXPECT_EQ(reader.channels()[message_index<CloudSlice>()].messages, 1);
+  EXPECT_EQ(reader.integrity().damaged_events, 1);
+}
+
+}  // namespace
+}  // namespace kt

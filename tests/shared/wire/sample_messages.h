@@ -1,0 +1,216 @@
+// One message of each type with no field left at its default, comparisons field by field, and a folder to
+// write in.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <stdlib.h>
+#include <string>
+#include <vector>
+
+#include "shared/wire/channels.h"
+
+namespace kt {
+
+inline Pose sample_pose(double angle_rad) {
+  Pose T = Pose::Identity();
+  T.linear() = exp_so3({angle_rad, -0.3, 0.7});
+  T.translation() = Eigen::Vector3d(0.1, -20.3, 1.0 / 3);
+  return T;
+}
+
+inline Matrix6d sample_information() {
+  Matrix6d A;
+  for (int i = 0; i < 36; ++i) A(i / 6, i % 6) = 1.0 / (1 + i) - 0.2 * (i % 5);
+  const Matrix6d square = A * A.transpose();
+  return (square + square.transpose()) / 2;
+}
+
+inline SessionHeader sample_session() {
+  SessionHeader session;
+  session.timestamp_us = 1305031102160407;
+  session.program_version = "0.1.0 (abcdef123456)";
+  session.configuration_yaml = "fusion:\n  voxel_size_m: 0.01\n";
+  session.calibration.name = "front camera";
+  session.calibration.depth = {320, 240, 262.5, 262.75, 159.5, 119.25, {0.1, -0.2, 0.003, 0.004, 0.05}};
+  session.calibration.colour = {640, 480, 517.3, 516.5, 318.6, 255.3, {0.26, -0.95, -0.005, 0.0026, 1.16}};
+  session.calibration.T_colour_depth.translation() = Eigen::Vector3d(0.025, 0.001, -0.003);
+  session.calibration.depth_unit_m = 0.0002;
+  session.calibration.invalid_depth = 65535;
+  return session;
+}
+
+inline StampedPose sample_stamped_pose(int64_t sequence = 7) {
+  return {sequence, 1305031102160407 + 33333 * sequence, sample_pose(0.01 * static_cast<double>(sequence)),
+          sample_information(), TrackingStatus::kUncertain};
+}
+
+inline CloudSlice sample_slice() {
+  CloudSlice slice{3, 1305031102999999, sample_pose(0.5), 0.01, true, {}, {}};
+  for (int i = 0; i < 5; ++i) {
+    const auto x = static_cast<float>(i);
+    slice.vertices.push_back({EdgeKey::of({i - 2, 1, -3}, i % 3),
+                              {0.1f * x, 1 / (1 + x), -0.3f},
+                              {0.6f, -0.8f, 0},
+                              {static_cast<uint8_t>(250 + i), 128, 3},
+                              0.5f + x,
+                              0xfffffff0u + static_cast<uint32_t>(i)});
+  }
+  slice.triangles = {{0, 1, 2}, {2, 1, 4}, {3, 0, 4}};
+  return slice;
+}
+
+inline Keyframe sample_keyframe() {
+  return {12,     1305031103000000,       sample_pose(-1), "orb",    2, {1.5f, 2.25f},
+          {3, 4}, {{1, 2, 3}, {4, 5, 0}}, {9, 8, 7, 6},    {1, 2, 3}};
+}
+
+inline LoopClosure sample_loop() {
+  return {2,    1305031103100000, 10,          500,        sample_pose(3), sample_information(),
+          true, "ratio test",     {{1, 2, 3}}, {{4, 5, 6}}};
+}
+
+inline MissionStatus sample_status() {
+  return {
+      4, 1305031103200000, 100, 90, 6, 4, 2, 3, 300000, 600000, {-100, 5, 1 << 19}, TrackingStatus::kLost};
+}
+
+inline CompressedFrame sample_frame() {
+  return {17, 1305031103300000, 1305031103290000, {0x89, 'P', 'N', 'G', 0}, {0xff, 0xd8, 1, 2, 3, 0}};
+}
+
+/// One of each, in the order of kChannels.
+inline std::vector<Message> sample_messages() {
+  return {sample_session(), sample_stamped_pose(), sample_slice(), sample_keyframe(),
+          sample_loop(),    sample_status(),       sample_frame()};
+}
+
+inline void expect_equal(const Vec3f& a, const Vec3f& b) {
+  EXPECT_TRUE(a.x == b.x && a.y == b.y && a.z == b.z) << a.x << ' ' << a.y << ' ' << a.z;
+}
+inline void expect_equal(const std::vector<Vec3f>& a, const std::vector<Vec3f>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) expect_equal(a[i], b[i]);
+}
+inline void expect_equal(const SessionHeader& a, const SessionHeader& b) {
+  EXPECT_EQ(a.format_version, b.format_version);
+  EXPECT_EQ(a.timestamp_us, b.timestamp_us);
+  EXPECT_EQ(a.program_version, b.program_version);
+  EXPECT_EQ(a.configuration_yaml, b.configuration_yaml);
+  EXPECT_EQ(a.calibration.name, b.calibration.name);
+  EXPECT_EQ(a.calibration.depth, b.calibration.depth);
+  EXPECT_EQ(a.calibration.colour, b.calibration.colour);
+  EXPECT_EQ(a.calibration.T_colour_depth.matrix(), b.calibration.T_colour_depth.matrix());
+  EXPECT_EQ(a.calibration.depth_unit_m, b.calibration.depth_unit_m);
+  EXPECT_EQ(a.calibration.invalid_depth, b.calibration.invalid_depth);
+}
+inline void expect_equal(const StampedPose& a, const StampedPose& b) {
+  EXPECT_EQ(a.sequence, b.sequence);
+  EXPECT_EQ(a.timestamp_us, b.timestamp_us);
+  EXPECT_EQ(a.T_odom_camera.matrix(), b.T_odom_camera.matrix());
+  EXPECT_EQ(a.information, b.information);
+  EXPECT_EQ(a.status, b.status);
+}
+inline void expect_equal(const CloudSlice& a, const CloudSlice& b) {
+  EXPECT_EQ(a.sequence, b.sequence);
+  EXPECT_EQ(a.timestamp_us, b.timestamp_us);
+  EXPECT_EQ(a.T_odom_camera.matrix(), b.T_odom_camera.matrix());
+  EXPECT_EQ(a.voxel_size_m, b.voxel_size_m);
+  EXPECT_EQ(a.is_final, b.is_final);
+  ASSERT_EQ(a.vertices.size(), b.vertices.size());
+  for (size_t i = 0; i < a.vertices.size(); ++i) {
+    EXPECT_EQ(a.vertices[i].key, b.vertices[i].key);
+    expect_equal(a.vertices[i].p_odom, b.vertices[i].p_odom);
+    expect_equal(a.vertices[i].n_odom, b.vertices[i].n_odom);
+    EXPECT_EQ(a.vertices[i].colour, b.vertices[i].colour);
+    EXPECT_EQ(a.vertices[i].weight, b.vertices[i].weight);
+    EXPECT_EQ(a.vertices[i].pose_sequence, b.vertices[i].pose_sequence);
+  }
+  EXPECT_EQ(a.triangles, b.triangles);
+}
+inline void expect_equal(const Keyframe& a, const Keyframe& b) {
+  EXPECT_EQ(a.sequence, b.sequence);
+  EXPECT_EQ(a.timestamp_us, b.timestamp_us);
+  EXPECT_EQ(a.T_odom_camera.matrix(), b.T_odom_camera.matrix());
+  EXPECT_EQ(a.descriptor_type, b.descriptor_type);
+  EXPECT_EQ(a.descriptor_size, b.descriptor_size);
+  EXPECT_EQ(a.u_px, b.u_px);
+  EXPECT_EQ(a.v_px, b.v_px);
+  expect_equal(a.p_camera, b.p_camera);
+  EXPECT_EQ(a.descriptors, b.descriptors);
+  EXPECT_EQ(a.thumbnail_jpeg, b.thumbnail_jpeg);
+}
+inline void expect_equal(const LoopClosure& a, const LoopClosure& b) {
+  EXPECT_EQ(a.sequence, b.sequence);
+  EXPECT_EQ(a.timestamp_us, b.timestamp_us);
+  EXPECT_EQ(a.from, b.from);
+  EXPECT_EQ(a.to, b.to);
+  EXPECT_EQ(a.T_from_to.matrix(), b.T_from_to.matrix());
+  EXPECT_EQ(a.information, b.information);
+  EXPECT_EQ(a.accepted, b.accepted);
+  EXPECT_EQ(a.reason, b.reason);
+  expect_equal(a.p_from, b.p_from);
+  expect_equal(a.p_to, b.p_to);
+}
+inline void expect_equal(const MissionStatus& a, const MissionStatus& b) {
+  EXPECT_EQ(a.sequence, b.sequence);
+  EXPECT_EQ(a.timestamp_us, b.timestamp_us);
+  EXPECT_EQ(a.frames, b.frames);
+  EXPECT_EQ(a.frames_good, b.frames_good);
+  EXPECT_EQ(a.frames_uncertain, b.frames_uncertain);
+  EXPECT_EQ(a.frames_lost, b.frames_lost);
+  EXPECT_EQ(a.frames_skipped, b.frames_skipped);
+  EXPECT_EQ(a.slices, b.slices);
+  EXPECT_EQ(a.slice_vertices, b.slice_vertices);
+  EXPECT_EQ(a.slice_triangles, b.slice_triangles);
+  EXPECT_EQ(a.volume_origin_voxel, b.volume_origin_voxel);
+  EXPECT_EQ(a.tracking, b.tracking);
+}
+inline void expect_equal(const CompressedFrame& a, const CompressedFrame& b) {
+  EXPECT_EQ(a.sequence, b.sequence);
+  EXPECT_EQ(a.timestamp_us, b.timestamp_us);
+  EXPECT_EQ(a.colour_timestamp_us, b.colour_timestamp_us);
+  EXPECT_EQ(a.depth_png, b.depth_png);
+  EXPECT_EQ(a.colour, b.colour);
+}
+inline void expect_equal(const Message& a, const Message& b) {
+  ASSERT_EQ(a.index(), b.index());
+  std::visit([&b]<typename T>(const T& message) { expect_equal(message, std::get<T>(b)); }, a);
+}
+
+/// A fresh folder, gone with the object.
+class ScratchDir {
+ public:
+  ScratchDir() {
+    std::string name = (std::filesystem::temp_directory_path() / "kintsugi_test_XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot create " + name);
+    path_ = name;
+  }
+  ~ScratchDir() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  ScratchDir(const ScratchDir&) = delete;
+  ScratchDir& operator=(const ScratchDir&) = delete;
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline std::vector<uint8_t> read_bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  EXPECT_TRUE(file) << path;
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+inline void write_bytes(const std::filesystem::path& path, const std::vector<uint8_t>& bytes) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  EXPECT_TRUE(file) << path;
+}
+
+}  // namespace kt

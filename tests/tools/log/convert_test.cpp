@@ -1,0 +1,158 @@
+// Recordings survive the way into a log and back; targets and sources that cannot be are refused.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/log/convert.h"
+
+#include <gtest/gtest.h>
+
+#include "onboard/publish/log_sink.h"
+#include "shared/core/check.h"
+#include "shared/io/calibration_file.h"
+#include "shared/io/dataset.h"
+#include "shared/io/image_file.h"
+#include "shared/io/text_lines.h"
+#include "shared/io/trajectory_file.h"
+#include "shared/wire/message_reader.h"
+#include "tests/shared/wire/sample_messages.h"
+
+namespace kt {
+namespace {
+
+constexpr int64_t kFrames = 3;
+
+int64_t depth_stamp_us(int64_t i) { return 1305031102160407 + 33333 * i; }
+
+// A TUM folder of small images; colour is stamped 7 ms later than depth.
+void write_tum_folder(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder / "depth");
+  std::filesystem::create_directories(folder / "rgb");
+  std::ofstream depth_list(folder / "depth.txt"), colour_list(folder / "rgb.txt");
+  for (int64_t i = 0; i < kFrames; ++i) {
+    Image<uint16_t> depth(64, 48, static_cast<uint16_t>(5000 + i));
+    depth(3, 4) = 65535;
+    Image<Rgb8> colour(64, 48, Rgb8{200, 30, static_cast<uint8_t>(i)});
+    colour(1, 2) = {0, 255, 0};
+    const std::string d = "depth/" + std::to_string(i) + ".png", c = "rgb/" + std::to_string(i) + ".png";
+    write_depth(folder / d, depth);
+    write_colour(folder / c, colour);
+    depth_list << format_stamp_us(depth_stamp_us(i)) << ' ' << d << '\n';
+    colour_list << format_stamp_us(depth_stamp_us(i) + 7000) << ' ' << c << '\n';
+  }
+  Calibration calibration;
+  calibration.name = "small";
+  calibration.depth = calibration.colour = {64, 48, 60, 60, 31.5, 23.5, {}};
+  calibration.depth_unit_m = 0.0002;
+  write_calibration(folder / "calibration.yaml", calibration);
+}
+
+std::string error_of(const std::string& from, const std::filesystem::path& to) {
+  try {
+    convert(from, to, {});
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Convert, FolderToLogAndBackIsExact) {
+  const ScratchDir scratch;
+  write_tum_folder(scratch / "tum");
+  int64_t last_done = 0, last_total = 0;
+  convert("tum:" + (scratch / "tum").string(), scratch / "raw.lcm",
+          {.compression = {.lossless_colour = true}},
+          [&](int64_t done, int64_t total) { last_done = done, last_total = total; });
+  EXPECT_EQ(last_done, kFrames);
+  EXPECT_EQ(last_total, kFrames);
+  EXPECT_NE(convert((scratch / "raw.lcm").string(), scratch / "back", {}).find("3 frames"),
+            std::string::npos);
+
+  const Dataset before = open_tum(scratch / "tum"), after = open_tum(scratch / "back");
+  ASSERT_EQ(after.frame_count(), kFrames);
+  for (int64_t i = 0; i < kFrames; ++i) {
+    const RgbdFrame a = before.load(i), b = after.load(i);
+    EXPECT_EQ(a.timestamp_us, b.timestamp_us);
+    EXPECT_EQ(a.colour_timestamp_us, b.colour_timestamp_us);
+    EXPECT_EQ(a.depth, b.depth);
+    EXPECT_EQ(a.colour, b.colour);
+  }
+  EXPECT_EQ(after.default_calibration().depth, before.default_calibration().depth);
+  EXPECT_EQ(after.default_calibration().depth_unit_m, before.default_calibration().depth_unit_m);
+  EXPECT_EQ(after.default_calibration().name, "small");
+}
+
+TEST(Convert, LogOfRawFramesIsASourceItself) {
+  const ScratchDir scratch;
+  write_tum_folder(scratch / "tum");
+  const ConvertOptions lossless{.compression = {.lossless_colour = true}};
+  convert("tum:" + (scratch / "tum").string(), scratch / "a.lcm", lossless);
+  convert("lcm-log:" + (scratch / "a.lcm").string(), scratch / "b.lcm", lossless);
+  EXPECT_EQ(read_bytes(scratch / "a.lcm"), read_bytes(scratch / "b.lcm"));
+}
+
+TEST(Convert, JpegIsTheDefaultForColour) {
+  const ScratchDir scratch;
+  write_tum_folder(scratch / "tum");
+  convert("tum:" + (scratch / "tum").string(), scratch / "raw.lcm", {});
+  convert((scratch / "raw.lcm").string(), scratch / "back", {});
+  EXPECT_TRUE(std::filesystem::exists(scratch / "back" / "rgb" /
+                                      (format_stamp_us(depth_stamp_us(0) + 7000) + ".jpg")));
+  EXPECT_EQ(open_tum(scratch / "back").load(1).depth, open_tum(scratch / "tum").load(1).depth);
+}
+
+TEST(Convert, BrokenImagesAreLeftOutAndCounted) {
+  const ScratchDir scratch;
+  write_tum_folder(scratch / "tum");
+  write_bytes(scratch / "tum" / "depth" / "1.png", {1, 2, 3});
+  const std::string done = convert("tum:" + (scratch / "tum").string(), scratch / "raw.lcm", {});
+  EXPECT_NE(done.find("2 frames, 1 skipped"), std::string::npos) << done;
+  EXPECT_NE(done.find("1.png"), std::string::npos) << done;
+}
+
+TEST(Convert, PosesOfAMissionBecomeATrajectory) {
+  const ScratchDir scratch;
+  LogSink sink(scratch / "mission.lcm");
+  sink.on_session(sample_session());
+  for (int64_t i = 0; i < 5; ++i) sink.on_pose(sample_stamped_pose(i));
+  sink.close();
+  convert((scratch / "mission.lcm").string(), scratch / "trajectory.txt", {});
+  const Trajectory trajectory = read_trajectory(scratch / "trajectory.txt");
+  ASSERT_EQ(trajectory.size(), 5u);
+  for (int64_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(trajectory[static_cast<size_t>(i)].timestamp_us, sample_stamped_pose(i).timestamp_us);
+    EXPECT_TRUE(trajectory[static_cast<size_t>(i)].T_odom_camera.isApprox(
+        sample_stamped_pose(i).T_odom_camera, 1e-8));
+  }
+}
+
+TEST(Convert, RefusesWhatTheLogDoesNotHold) {
+  const ScratchDir scratch;
+  LogSink sink(scratch / "a.lcm");
+  sink.on_session(sample_session());
+  sink.close();
+  const std::string log = (scratch / "a.lcm").string();
+  EXPECT_NE(error_of(log, scratch / "t.txt").find("holds no poses"), std::string::npos);
+  EXPECT_NE(error_of(log, scratch / "folder").find("holds no raw frames"), std::string::npos);
+  EXPECT_NE(error_of(log, scratch / "b.lcm").find("tum:DIR"), std::string::npos);
+  EXPECT_NE(error_of("/nowhere.lcm", scratch / "t.txt").find("does not exist"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(scratch / "folder"));
+}
+
+TEST(Convert, OverwritesOnlyWhenAsked) {
+  const ScratchDir scratch;
+  write_tum_folder(scratch / "tum");
+  const std::string source = "tum:" + (scratch / "tum").string(), log = (scratch / "a.lcm").string();
+  convert(source, log, {});
+  EXPECT_NE(error_of(source, log).find("exists"), std::string::npos);
+  EXPECT_NE(error_of(log, scratch / "tum").find("exists"), std::string::npos);
+  EXPECT_NO_THROW(convert(source, log, {.overwrite = true}));
+  EXPECT_NO_THROW(convert(log, scratch / "tum", {.overwrite = true}));
+}
+
+TEST(Convert, FullDiskIsAnError) {
+  const ScratchDir scratch;
+  write_tum_folder(scratch / "tum");
+  EXPECT_NE(error_of("tum:" + (scratch / "tum").string(), "/dev/full").find("No space left"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace kt
