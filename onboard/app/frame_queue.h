@@ -32,7 +32,8 @@ class FrameQueue {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return !items_.empty() || failure_; });
     if (items_.empty()) std::rethrow_exception(failure_);
-    if (items_.front().kind == SourceItem::Kind::kEnd) return items_.front();  // stays: the end has nothing behind it
+    if (items_.front().kind == SourceItem::Kind::kEnd)
+      return items_.front();  // stays: the end has nothing behind it
     SourceItem item = std::move(items_.front());
     items_.pop_front();
     changed_.notify_all();
