@@ -12,7 +12,7 @@ KT_INSTANTIATE_FOR_EACH(kt::SummariseBrick);
 KT_INSTANTIATE_FOR_EACH(kt::SummariseBlock);
 KT_INSTANTIATE_FOR_EACH(kt::DilateBlock);
 KT_INSTANTIATE_FOR_EACH_PIXEL(kt::RaycastTile);
-KT_INSTANTIATE_FOR_EACH(kt::RaycastPixel);
+KT_INSTANTIATE_FOR_EACH_LANE(kt::RaycastPixel);
 KT_INSTANTIATE_FOR_EACH(kt::SelectExportBrick);
 KT_INSTANTIATE_FOR_EACH(kt::CountSliceRow);
 KT_INSTANTIATE_FOR_EACH(kt::WriteSliceRow);

@@ -117,9 +117,14 @@ struct VolumeRay {
 
   /// Depth at which the ray leaves the aligned cell of 2^log2_side voxels that holds voxel `v`.
   KT_HOST_DEVICE float exit_depth(Vec3i v, int log2_side) const {
-    return min_of(
-        min_of(exit_axis(v.x, start.x, inverse.x, log2_side), exit_axis(v.y, start.y, inverse.y, log2_side)),
-        exit_axis(v.z, start.z, inverse.z, log2_side));
+    return min_of(min_of(exit_axis(v.x >> log2_side, start.x, inverse.x, log2_side),
+                         exit_axis(v.y >> log2_side, start.y, inverse.y, log2_side)),
+                  exit_axis(v.z >> log2_side, start.z, inverse.z, log2_side));
+  }
+  /// The same along one axis, for the `cell`-th of those cells.
+  KT_HOST_DEVICE static float exit_axis(int cell, float s, float inv, int log2_side) {
+    const int border = cell + (inv > 0.0f ? 1 : 0);
+    return (static_cast<float>(border << log2_side) - 0.5f - s) * inv;
   }
 
  private:
@@ -130,10 +135,6 @@ struct VolumeRay {
     const float a = (0.0f - s) * inv, b = (high - s) * inv;
     enter_m = max_of(enter_m, min_of(a, b));
     leave_m = min_of(leave_m, max_of(a, b));
-  }
-  KT_HOST_DEVICE static float exit_axis(int coordinate, float s, float inv, int log2_side) {
-    const int cell = (coordinate >> log2_side) + (inv > 0.0f ? 1 : 0);
-    return (static_cast<float>(cell << log2_side) - 0.5f - s) * inv;
   }
 };
 
@@ -177,9 +178,10 @@ struct RaycastTile {
   }
 };
 
-/// Surface prediction (Newcombe et al. 2011, sec. 3.4): marches the ray of a pixel to the first zero crossing
-/// from positive to negative. Rays step over bricks without surface, and by the distance field elsewhere.
-/// Elements go tile by tile, so that neighbours in time read the same bricks.
+/// Surface prediction (Newcombe et al. 2011, sec. 3.4): marches the rays of kLanes neighbouring pixels to
+/// their first zero crossing from positive to negative. Rays step over bricks without surface, and by the
+/// distance field elsewhere. They march in step, so that a CPU computes them as SIMD and overlaps their
+/// look-ups. Elements are pixels tile by tile, so that neighbours in time read the same bricks.
 struct RaycastPixel {
   VolumeSampler sampler;
   PinholeParams camera;
@@ -192,90 +194,147 @@ struct RaycastPixel {
   /// Elements to run for an image.
   static int64_t element_count(const PinholeParams& camera) {
     const auto tiles = [](int pixels) { return int64_t{(pixels + kRayTileSide - 1) / kRayTileSide}; };
-    return tiles(camera.width) * tiles(camera.height) * kRayTileSide * kRayTileSide;
+    return tiles(camera.width) * tiles(camera.height) * kTilePixels;
   }
 
-  KT_HOST_DEVICE void operator()(int64_t element) const {
-    constexpr int kTilePixels = kRayTileSide * kRayTileSide;
+  template <int kLanes>
+  KT_HOST_DEVICE void run(int64_t element) const {
+    static_assert(kRayTileSide % kLanes == 0);
     const int tiles_per_row = (camera.width + kRayTileSide - 1) / kRayTileSide;
     const int tile = static_cast<int>(element / kTilePixels), pixel = static_cast<int>(element % kTilePixels);
     const int u = tile % tiles_per_row * kRayTileSide + pixel % kRayTileSide,
               v = tile / tiles_per_row * kRayTileSide + pixel / kRayTileSide;
     if (u >= camera.width || v >= camera.height) return;
-    Vec4f point, normal;
-    const Vec3f ray_camera = camera.unproject(static_cast<float>(u), static_cast<float>(v), 1.0f);
-    const VolumeRay ray(sampler.volume, T_volume_camera, ray_camera,
-                        max_of(stretches[tile].start_m, min_depth_m),
-                        min_of(stretches[tile].end_m, max_depth_m));
-    float depth;
-    Vec3f gradient;
-    if (march(ray, &depth) && polish(ray, &depth, &gradient)) {
-      const float length = norm(gradient);
-      const float* R = T_volume_camera.R.m;  // its transpose turns the gradient into the camera frame
-      const Vec3f n = Vec3f{R[0] * gradient.x + R[3] * gradient.y + R[6] * gradient.z,
-                            R[1] * gradient.x + R[4] * gradient.y + R[7] * gradient.z,
-                            R[2] * gradient.x + R[5] * gradient.y + R[8] * gradient.z} *
-                      (1.0f / length);
-      const Vec3f p = ray_camera * depth;
-      if (length > 1e-6f && dot(n, p) < 0.0f) {  // else a back face
-        point = {p.x, p.y, p.z, 1.0f};
-        normal = {n.x, n.y, n.z, 1.0f};
-      }
+    Rays<kLanes> rays;
+    rays.start = T_volume_camera.t * (1.0f / sampler.volume.voxel_size_m);
+    for (int l = 0; l < kLanes; ++l) {
+      rays.set(l, VolumeRay(sampler.volume, T_volume_camera,
+                            camera.unproject(static_cast<float>(u + l), static_cast<float>(v), 1.0f),
+                            max_of(stretches[tile].start_m, min_depth_m),
+                            min_of(stretches[tile].end_m, max_depth_m)));
     }
-    const int64_t i = int64_t{v} * camera.width + u;
-    points[i] = point;
-    normals[i] = normal;
+    march(&rays);
+    for (int l = 0; l < kLanes && u + l < camera.width; ++l) {
+      const int64_t i = int64_t{v} * camera.width + u + l;
+      points[i] = normals[i] = {};
+      if (rays.hit[l]) finish(u + l, v, rays.start, rays.direction(l), rays.t[l], &points[i], &normals[i]);
+    }
   }
 
-  // Depth of the sign change between voxels, by linear interpolation.
-  KT_HOST_DEVICE bool march(const VolumeRay& ray, float* depth) const {
+ private:
+  static constexpr int kTilePixels = kRayTileSide * kRayTileSide;
+
+  // The rays and where each has got to, as arrays over the lanes.
+  template <int kLanes>
+  struct Rays {
+    Vec3f start;  // voxel units
+    float dx[kLanes], dy[kLanes], dz[kLanes], ix[kLanes], iy[kLanes], iz[kLanes];
+    float t[kLanes], leave[kLanes];  // depth (m)
+    float voxel_step[kLanes];        // metres of depth per voxel along the ray
+    int32_t active[kLanes], hit[kLanes];
+
+    KT_HOST_DEVICE void set(int l, const VolumeRay& ray) {
+      dx[l] = ray.direction.x, dy[l] = ray.direction.y, dz[l] = ray.direction.z;
+      ix[l] = ray.inverse.x, iy[l] = ray.inverse.y, iz[l] = ray.inverse.z;
+      voxel_step[l] = 1.0f / norm(ray.direction);
+      leave[l] = ray.leave_m;
+      active[l] = ray.enter_m < ray.leave_m;
+      t[l] = active[l] ? ray.enter_m : 0.0f;
+      hit[l] = 0;
+    }
+    KT_HOST_DEVICE Vec3f direction(int l) const { return {dx[l], dy[l], dz[l]}; }
+  };
+
+  // Takes each ray to the sign change between two voxels, by linear interpolation.
+  template <int kLanes>
+  KT_HOST_DEVICE void march(Rays<kLanes>* rays) const {
     const VolumeView& volume = sampler.volume;
-    const float voxel_step = 1.0f / norm(ray.direction);  // metres of depth per voxel along the ray
-    const float tsdf_step = 0.8f * volume.truncation_m / volume.voxel_size_m * voxel_step;
-    float last_t = 0.0f, last_tsdf = 0.0f;  // last positive sample, 0 = none
-    float t = ray.enter_m;
-    while (t < ray.leave_m) {
-      const Vec3i v = VolumeRay::nearest_voxel(ray.at(t));
-      if (!volume.contains(v)) return false;
-      const int64_t slot = volume.slot(VolumeView::brick_of(v));
-      if (volume.brick_states[slot] != kBrickSurface) {
-        t = max_of(ray.exit_depth(v, kLog2BrickSide), t) + kRayNudgeM;
-        last_tsdf = 0.0f;
-        continue;
+    const Vec3f s = rays->start;
+    const auto voxels_per_axis = static_cast<uint32_t>(volume.voxels_per_axis());
+    const float tsdf_voxels = 0.8f * volume.truncation_m / volume.voxel_size_m;
+    float last_t[kLanes], last_tsdf[kLanes];  // last positive sample, 0 = none
+    for (int l = 0; l < kLanes; ++l) last_t[l] = last_tsdf[l] = 0.0f;
+    while (true) {
+      float exit_m[kLanes];
+      int32_t slot[kLanes], offset[kLanes];
+      int32_t any = 0;
+      for (int l = 0; l < kLanes; ++l) {
+        const float t = rays->t[l];
+        const int32_t x = static_cast<int32_t>(s.x + rays->dx[l] * t + 0.5f),
+                      y = static_cast<int32_t>(s.y + rays->dy[l] * t + 0.5f),
+                      z = static_cast<int32_t>(s.z + rays->dz[l] * t + 0.5f);
+        const int32_t inside = (static_cast<uint32_t>(x) < voxels_per_axis) &
+                               (static_cast<uint32_t>(y) < voxels_per_axis) &
+                               (static_cast<uint32_t>(z) < voxels_per_axis);
+        rays->active[l] &= (t < rays->leave[l]) & inside;
+        any |= rays->active[l];
+        const int32_t bx = x >> kLog2BrickSide, by = y >> kLog2BrickSide, bz = z >> kLog2BrickSide;
+        const int32_t ring = (volume.wrap(bz + volume.ring_origin.z) * volume.bricks +
+                              volume.wrap(by + volume.ring_origin.y)) *
+                                 volume.bricks +
+                             volume.wrap(bx + volume.ring_origin.x);
+        slot[l] = rays->active[l] ? ring : 0;
+        offset[l] = rays->active[l] ? ((z & 7) * kBrickSide + (y & 7)) * kBrickSide + (x & 7) : 0;
+        exit_m[l] = min_of(min_of(VolumeRay::exit_axis(bx, s.x, rays->ix[l], kLog2BrickSide),
+                                  VolumeRay::exit_axis(by, s.y, rays->iy[l], kLog2BrickSide)),
+                           VolumeRay::exit_axis(bz, s.z, rays->iz[l], kLog2BrickSide));
       }
-      const Voxel voxel =
-          volume.voxels[slot * kBrickVoxels + ((v.z & 7) * kBrickSide + (v.y & 7)) * kBrickSide + (v.x & 7)];
-      const float tsdf = voxel.tsdf();
-      if (voxel.weight_units() == 0) {
-        last_tsdf = 0.0f;
-        t += voxel_step;
-      } else if (tsdf >= 0.0f) {
-        last_tsdf = max_of(tsdf, 1e-6f);
-        last_t = t;
-        t += max_of(0.75f * voxel_step, tsdf * tsdf_step);
-      } else if (last_tsdf > 0.0f) {
-        *depth = last_t + (t - last_t) * last_tsdf / (last_tsdf - tsdf);
-        return true;
-      } else {
-        t += voxel_step;  // inside or behind something: go on to its far side
+      if (!any) return;
+      int32_t in_surface[kLanes], distance[kLanes], weight[kLanes];
+      for (int l = 0; l < kLanes; ++l) {
+        in_surface[l] = volume.brick_states[slot[l]] == kBrickSurface;
+        // A brick without surface is not read: its memory may never have been touched.
+        const Voxel voxel = volume.voxels[in_surface[l] ? int64_t{slot[l]} * kBrickVoxels + offset[l] : 0];
+        distance[l] = voxel.distance;
+        weight[l] = voxel.weight_units();
+      }
+      for (int l = 0; l < kLanes; ++l) {
+        const float t = rays->t[l], step = rays->voxel_step[l], before_t = last_t[l], before = last_tsdf[l];
+        const int32_t active = rays->active[l];
+        const float tsdf = static_cast<float>(distance[l]) / Voxel::kDistanceUnits;
+        const int32_t observed = in_surface[l] & (weight[l] > 0), in_front = observed & (tsdf >= 0.0f),
+                      crossed = active & observed & (tsdf < 0.0f) & (before > 0.0f);
+        const float crossing = before_t + (t - before_t) * before / (before - tsdf);
+        // Behind a surface, or where nothing was observed, voxel by voxel.
+        const float field_step = max_of(0.75f * step, tsdf * (tsdf_voxels * step));
+        const float inside_brick = t + (in_front ? field_step : step);
+        const float past_brick = max_of(exit_m[l], t) + kRayNudgeM;
+        const float next = in_surface[l] ? inside_brick : past_brick;
+        const float kept = observed ? before : 0.0f;
+        last_t[l] = in_front ? t : before_t;
+        last_tsdf[l] = in_front ? max_of(tsdf, 1e-6f) : kept;
+        const float moved = active ? next : t;
+        rays->t[l] = crossed ? crossing : moved;
+        rays->hit[l] |= crossed;
+        rays->active[l] = active & (crossed ^ 1);
       }
     }
-    return false;
   }
 
-  // Two Newton steps along the ray on the trilinear field; false where it is not observed there.
-  KT_HOST_DEVICE bool polish(const VolumeRay& ray, float* depth, Vec3f* gradient) const {
-    const float reach = sampler.volume.truncation_m;
+  // Two Newton steps along the ray on the trilinear field, then point and normal in the camera frame; nothing
+  // where the field is not observed there, or the surface faces away.
+  KT_HOST_DEVICE void finish(int u, int v, Vec3f start, Vec3f direction, float depth, Vec4f* point,
+                             Vec4f* normal) const {
+    Vec3f gradient;
     for (int step = 0; step < 2; ++step) {
       float tsdf;
-      if (!sampler.sample(ray.at(*depth), &tsdf, gradient)) return false;
-      const float slope = dot(*gradient, ray.direction);  // per metre of depth
-      if (!(slope < -1e-3f)) return false;
+      if (!sampler.sample(start + direction * depth, &tsdf, &gradient)) return;
+      const float slope = dot(gradient, direction);  // per metre of depth
+      if (!(slope < -1e-3f)) return;
       const float correction = tsdf / slope;
-      if (fabsf(correction) > reach) return false;
-      *depth -= correction;
+      if (fabsf(correction) > sampler.volume.truncation_m) return;
+      depth -= correction;
     }
-    return true;
+    const float length = norm(gradient);
+    const float* R = T_volume_camera.R.m;  // its transpose turns the gradient into the camera frame
+    const Vec3f n = Vec3f{R[0] * gradient.x + R[3] * gradient.y + R[6] * gradient.z,
+                          R[1] * gradient.x + R[4] * gradient.y + R[7] * gradient.z,
+                          R[2] * gradient.x + R[5] * gradient.y + R[8] * gradient.z} *
+                    (1.0f / length);
+    const Vec3f p = camera.unproject(static_cast<float>(u), static_cast<float>(v), 1.0f) * depth;
+    if (!(length > 1e-6f && dot(n, p) < 0.0f)) return;
+    *point = {p.x, p.y, p.z, 1.0f};
+    *normal = {n.x, n.y, n.z, 1.0f};
   }
 };
 

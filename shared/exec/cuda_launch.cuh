@@ -23,6 +23,12 @@ __global__ void for_each_kernel(int64_t count, Functor functor) {
 }
 
 template <typename Functor>
+__global__ void for_each_lane_kernel(int64_t count, Functor functor) {
+  const int64_t i = static_cast<int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (i < count) functor.template run<1>(i);
+}
+
+template <typename Functor>
 __global__ void for_each_pixel_kernel(int width, int height, Functor functor) {
   const int u = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   const int v = static_cast<int>(blockIdx.y * blockDim.y + threadIdx.y);
@@ -49,11 +55,23 @@ __global__ void reduce_kernel(int64_t count, Functor functor, float* chunk_terms
   }
 }
 
+inline constexpr int kThreadsPerBlock = 256;
+
+inline unsigned blocks_for(int64_t threads) {
+  return static_cast<unsigned>((threads + kThreadsPerBlock - 1) / kThreadsPerBlock);
+}
+
 template <typename Functor>
 void launch_for_each(int64_t count, const Functor& functor) {
   if (count <= 0) return;
-  constexpr int kThreads = 256;
-  for_each_kernel<<<static_cast<unsigned>((count + kThreads - 1) / kThreads), kThreads>>>(count, functor);
+  for_each_kernel<<<blocks_for(count), kThreadsPerBlock>>>(count, functor);
+  check_cuda(cudaGetLastError(), "launch");
+}
+
+template <typename Functor>
+void launch_for_each_lane(int64_t count, const Functor& functor) {
+  if (count <= 0) return;
+  for_each_lane_kernel<<<blocks_for(count), kThreadsPerBlock>>>(count, functor);
   check_cuda(cudaGetLastError(), "launch");
 }
 
@@ -80,6 +98,8 @@ void launch_reduce(int64_t count, const Functor& functor, float* chunk_terms) {
 
 #define KT_INSTANTIATE_FOR_EACH(Functor) \
   template void kt::exec::launch_for_each<Functor>(int64_t, const Functor&)
+#define KT_INSTANTIATE_FOR_EACH_LANE(Functor) \
+  template void kt::exec::launch_for_each_lane<Functor>(int64_t, const Functor&)
 #define KT_INSTANTIATE_FOR_EACH_PIXEL(Functor) \
   template void kt::exec::launch_for_each_pixel<Functor>(int, int, const Functor&)
 #define KT_INSTANTIATE_REDUCE(Functor) \

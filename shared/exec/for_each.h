@@ -14,15 +14,14 @@ namespace kt::exec {
 template <typename Functor>
 void launch_for_each(int64_t count, const Functor& functor);
 template <typename Functor>
+void launch_for_each_lane(int64_t count, const Functor& functor);
+template <typename Functor>
 void launch_for_each_pixel(int width, int height, const Functor& functor);
 #endif
 
-/// Calls functor(i) for i in [0, count). Elements are independent: each writes only its own slot.
+/// The CPU's part of for_each.
 template <typename Functor>
-void for_each(const Device& device, int64_t count, const Functor& functor) {
-#if defined(KT_HAVE_CUDA)
-  if (device.is_cuda()) return launch_for_each(count, functor);
-#endif
+void for_each_on_cpu(const Device& device, int64_t count, const Functor& functor) {
   // Small dynamic blocks balance uneven elements; which thread runs one cannot change its result.
   const int64_t block = std::clamp<int64_t>(count / (int64_t{16} * device.threads()), 1, 4096);
   const int64_t blocks = (count + block - 1) / block;
@@ -31,6 +30,30 @@ void for_each(const Device& device, int64_t count, const Functor& functor) {
     const int64_t end = std::min(count, (b + 1) * block);
     for (int64_t i = b * block; i < end; ++i) f(i);
   });
+}
+
+/// Calls functor(i) for i in [0, count). Elements are independent: each writes only its own slot.
+template <typename Functor>
+void for_each(const Device& device, int64_t count, const Functor& functor) {
+#if defined(KT_HAVE_CUDA)
+  if (device.is_cuda()) return launch_for_each(count, functor);
+#endif
+  for_each_on_cpu(device, count, functor);
+}
+
+/// Lanes that a CPU thread runs in step: the floats of one AVX register.
+inline constexpr int kSimdLanes = 8;
+
+/// Calls functor.run<kLanes>(i) for every kLanes-th i in [0, count), which does elements i to i + kLanes - 1
+/// in loops over arrays of kLanes: SIMD on a CPU, where kLanes is kSimdLanes; a thread per element on a GPU,
+/// where it is 1. Elements stay independent, so both give the same bits. `count` is a multiple of kSimdLanes.
+template <typename Functor>
+void for_each_lane(const Device& device, int64_t count, const Functor& functor) {
+#if defined(KT_HAVE_CUDA)
+  if (device.is_cuda()) return launch_for_each_lane(count, functor);
+#endif
+  for_each_on_cpu(device, count / kSimdLanes,
+                  [functor](int64_t i) { functor.template run<kSimdLanes>(i * kSimdLanes); });
 }
 
 /// Calls functor(u, v) for every pixel of a width x height image, rows in parallel.

@@ -13,6 +13,15 @@ struct AddIndex {
   KT_HOST_DEVICE void operator()(int64_t i) const { slots[i] += 1 + i; }
 };
 
+/// The same for elements in lanes.
+struct AddLaneIndex {
+  int64_t* slots;
+  template <int kLanes>
+  KT_HOST_DEVICE void run(int64_t i) const {
+    for (int l = 0; l < kLanes; ++l) slots[i + l] += 1 + i + l;
+  }
+};
+
 /// The same for pixels.
 struct AddPixel {
   int64_t* slots;

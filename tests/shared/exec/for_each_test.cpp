@@ -24,6 +24,19 @@ TEST(ForEach, VisitsEachElementOnce) {
   }
 }
 
+TEST(ForEachLane, VisitsEachElementOnce) {
+  for (const Device& device : test::parity_devices()) {
+    for (const int64_t count : {0, 8, 64, 100'008}) {
+      Buffer<int64_t> slots(device, count + 1);
+      for_each_lane(device, count, test::AddLaneIndex{slots.data()});
+      const std::vector<int64_t> visited = slots.downloaded();
+      for (int64_t i = 0; i < count; ++i)
+        ASSERT_EQ(visited[static_cast<size_t>(i)], 1 + i) << test::name_of(device) << ", " << count;
+      EXPECT_EQ(visited.back(), 0) << "visited past the end";
+    }
+  }
+}
+
 TEST(ForEachPixel, VisitsEachPixelOnceAsUV) {
   const struct { int width, height; } sizes[] = {{1, 1}, {1, 7}, {7, 1}, {33, 9}, {160, 120}, {0, 5}, {5, 0}};
   for (const Device& device : test::parity_devices()) {
