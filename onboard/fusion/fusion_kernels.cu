@@ -6,11 +6,11 @@
 #include "shared/exec/cuda_launch.cuh"
 
 KT_INSTANTIATE_FOR_EACH_PIXEL(kt::TileDepthRange);
-KT_INSTANTIATE_FOR_EACH(kt::SelectBrick);
+KT_INSTANTIATE_FOR_EACH(kt::SelectBlock);
 KT_INSTANTIATE_FOR_EACH(kt::FuseRow);
 KT_INSTANTIATE_FOR_EACH(kt::SummariseBrick);
-KT_INSTANTIATE_FOR_EACH(kt::SummariseBlock);
-KT_INSTANTIATE_FOR_EACH(kt::DilateBlock);
+KT_INSTANTIATE_FOR_EACH(kt::StartBrickDistance);
+KT_INSTANTIATE_FOR_EACH(kt::SpreadBrickDistance);
 KT_INSTANTIATE_FOR_EACH_PIXEL(kt::RaycastTile);
 KT_INSTANTIATE_FOR_EACH_LANE(kt::RaycastPixel);
 KT_INSTANTIATE_FOR_EACH(kt::SelectExportBrick);

@@ -50,7 +50,6 @@ struct VolumeView {
   Voxel* voxels = nullptr;
   ColourVoxel* colours = nullptr;
   uint8_t* brick_states = nullptr;      // BrickState by slot
-  uint8_t* block_states = nullptr;      // 1 where a block holds a surface brick, by block slot
   uint32_t* brick_last_seen = nullptr;  // sequence of the frame that last saw a surface in the brick, by slot
   int32_t bricks = 0;                   // per axis
   Vec3i origin_brick;                   // global brick of the lowest corner, a multiple of kBlockSide
@@ -77,13 +76,6 @@ struct VolumeView {
               rz = static_cast<int>(slot / bricks / bricks);
     const int x = rx - ring_origin.x, y = ry - ring_origin.y, z = rz - ring_origin.z;
     return {x < 0 ? x + bricks : x, y < 0 ? y + bricks : y, z < 0 ? z + bricks : z};
-  }
-  KT_HOST_DEVICE int64_t block_slot(Vec3i b) const {
-    const int blocks = bricks / kBlockSide;
-    return (int64_t{wrap(b.z + ring_origin.z) / kBlockSide} * blocks +
-            wrap(b.y + ring_origin.y) / kBlockSide) *
-               blocks +
-           wrap(b.x + ring_origin.x) / kBlockSide;
   }
   /// Index of a local voxel; it must lie inside.
   KT_HOST_DEVICE int64_t index(Vec3i v) const {

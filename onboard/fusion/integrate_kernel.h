@@ -35,33 +35,72 @@ struct TileDepthRange {
 };
 
 /// Flags the bricks that a frame changes: those that its truncation band may reach, and those that hold
-/// surface where it sees through.
-struct SelectBrick {
+/// surface where it sees through. By block of bricks, so that what lies outside the view costs little.
+struct SelectBlock {
   VolumeView volume;
   PinholeParams camera;
   Rigid3f T_camera_volume;
   const DepthRange* tiles;
   uint8_t* selected;  // out, by slot
 
-  KT_HOST_DEVICE void operator()(int64_t slot) const {
-    selected[slot] = 0;
-    const Vec3i b = volume.brick(slot);
-    const float half = 0.5f * (kBrickSide - 1);
-    const Vec3f centre = Vec3f{b.x * kBrickSide + half, b.y * kBrickSide + half, b.z * kBrickSide + half} *
-                         volume.voxel_size_m;
-    const Vec3f p = T_camera_volume * centre;
-    const float radius = 1.7320508f * half * volume.voxel_size_m;
-    if (p.z + radius < 0.1f) return;
-    // Bounding box of the brick's sphere in the image, generous near the camera.
-    const float nearest_z = max_of(p.z - radius, 0.1f);
-    const float reach_u = radius / nearest_z * camera.fx, reach_v = radius / nearest_z * camera.fy;
-    const float scale = 1.0f / max_of(p.z, 0.1f);
-    const float u = p.x * scale * camera.fx + camera.cx, v = p.y * scale * camera.fy + camera.cy;
+  static int64_t element_count(int bricks) {
+    const int64_t blocks = bricks / kBlockSide;
+    return blocks * blocks * blocks;
+  }
+
+  KT_HOST_DEVICE void operator()(int64_t block) const {
+    const int blocks = volume.bricks / kBlockSide;
+    const Vec3i low{static_cast<int32_t>(block % blocks) * kBlockSide,
+                    static_cast<int32_t>(block / blocks % blocks) * kBlockSide,
+                    static_cast<int32_t>(block / blocks / blocks) * kBlockSide};
+    const bool visible = can_be_seen(sphere(low, kBlockSide));
+    for (int k = 0; k < kBlockSide * kBlockSide * kBlockSide; ++k) {
+      const Vec3i b = low + Vec3i{k % kBlockSide, k / kBlockSide % kBlockSide, k / kBlockSide / kBlockSide};
+      const int64_t slot = volume.slot(b);
+      selected[slot] = visible && changes(sphere(b, 1), volume.brick_states[slot] == kBrickSurface) ? 1 : 0;
+    }
+  }
+
+ private:
+  struct Sphere {
+    Vec3f p;  // centre in the camera frame (m)
+    float radius;
+  };
+
+  // Around the voxel centres of the cube of `side` bricks whose lowest is b.
+  KT_HOST_DEVICE Sphere sphere(Vec3i b, int side) const {
+    const float half = 0.5f * static_cast<float>(side * kBrickSide - 1);
+    const Vec3f centre{static_cast<float>(b.x * kBrickSide) + half,
+                       static_cast<float>(b.y * kBrickSide) + half,
+                       static_cast<float>(b.z * kBrickSide) + half};
+    return {T_camera_volume * (centre * volume.voxel_size_m), 1.7320508f * half * volume.voxel_size_m};
+  }
+
+  // False only where no point of the sphere can be in the image: it lies behind one of the five planes that
+  // bound the view.
+  KT_HOST_DEVICE bool can_be_seen(Sphere s) const {
+    const float left = camera.cx + 0.5f, right = static_cast<float>(camera.width) - 0.5f - camera.cx,
+                top = camera.cy + 0.5f, bottom = static_cast<float>(camera.height) - 0.5f - camera.cy;
+    const auto outside = [&s](float focal, float edge, float across) {
+      return focal * across + edge * s.p.z < -s.radius * sqrtf(focal * focal + edge * edge);
+    };
+    return s.p.z + s.radius >= 0.0f && !outside(camera.fx, left, s.p.x) &&
+           !outside(camera.fx, right, -s.p.x) && !outside(camera.fy, top, s.p.y) &&
+           !outside(camera.fy, bottom, -s.p.y);
+  }
+
+  KT_HOST_DEVICE bool changes(Sphere s, bool holds_surface) const {
+    if (s.p.z + s.radius < 0.1f) return false;
+    // Bounding box of the sphere in the image, generous near the camera.
+    const float nearest_z = max_of(s.p.z - s.radius, 0.1f);
+    const float reach_u = s.radius / nearest_z * camera.fx, reach_v = s.radius / nearest_z * camera.fy;
+    const float scale = 1.0f / max_of(s.p.z, 0.1f);
+    const float u = s.p.x * scale * camera.fx + camera.cx, v = s.p.y * scale * camera.fy + camera.cy;
     const float u0 = max_of(u - reach_u, 0.0f),
                 u1 = min_of(u + reach_u, static_cast<float>(camera.width - 1));
     const float v0 = max_of(v - reach_v, 0.0f),
                 v1 = min_of(v + reach_v, static_cast<float>(camera.height - 1));
-    if (u0 > u1 || v0 > v1) return;
+    if (u0 > u1 || v0 > v1) return false;
     const int tiles_per_row = (camera.width + kTileSide - 1) / kTileSide;
     DepthRange range;
     for (int tv = static_cast<int>(v0) / kTileSide; tv <= static_cast<int>(v1) / kTileSide; ++tv) {
@@ -72,10 +111,16 @@ struct SelectBrick {
       }
     }
     // In front, twice the truncation distance along the ray: surfaces seen at up to 60 degrees.
-    const bool reaches_surface = p.z + radius >= range.nearest_m - 2.0f * volume.truncation_m;
-    const bool behind = p.z - radius > range.farthest_m + volume.truncation_m;
-    selected[slot] = !behind && (reaches_surface || volume.brick_states[slot] == kBrickSurface) ? 1 : 0;
+    const bool reaches_surface = s.p.z + s.radius >= range.nearest_m - 2.0f * volume.truncation_m;
+    const bool behind = s.p.z - s.radius > range.farthest_m + volume.truncation_m;
+    return !behind && (reaches_surface || holds_surface);
   }
+};
+
+/// What fusing a frame left in a row of voxels.
+enum RowFlag : uint8_t {
+  kRowSurface = 1,  // a voxel near a surface
+  kRowFused = 2,    // a voxel that the frame measured
 };
 
 /// Fuses a frame into one row of 8 voxels: weighted running average of the truncated signed distance to the
@@ -90,7 +135,7 @@ struct FuseRow {
   const int32_t* slots;  // selected bricks
   const FusionPixel* pixels;
   float max_weight_units;
-  uint8_t* row_has_surface;  // out: 1 where the row holds a voxel near a surface afterwards
+  uint8_t* row_flags;  // out, RowFlag
 
   /// Works on the eight voxels in steps that a compiler turns into SIMD; only the look-ups in between are one
   /// by one.
@@ -157,7 +202,7 @@ struct FuseRow {
       new_weight[x] = fused[x] ? total_units : old_weight[x];
       near_surface |= (new_weight[x] > 0) & (distance[x] < kNearSurface);
     }
-    row_has_surface[i] = near_surface ? 1 : 0;
+    row_flags[i] = static_cast<uint8_t>((near_surface ? kRowSurface : 0) | (any_fused ? kRowFused : 0));
     if (!any_fused) return;
     for (int x = 0; x < kN; ++x) {
       const int32_t flag = frozen[x] ? Voxel::kFrozen : 0;
@@ -187,40 +232,21 @@ struct FuseRow {
   }
 };
 
-/// State of a fused brick from its rows.
+/// State of a fused brick from its rows; one in which the frame measured nothing stays as it is.
 struct SummariseBrick {
   VolumeView volume;
   const int32_t* slots;
-  const uint8_t* row_has_surface;
+  const uint8_t* row_flags;
   uint32_t frame_sequence;
 
   KT_HOST_DEVICE void operator()(int64_t i) const {
     constexpr int kRows = kBrickSide * kBrickSide;
-    uint8_t any = 0;
-    for (int row = 0; row < kRows; ++row) any |= row_has_surface[i * kRows + row];
+    uint8_t flags = 0;
+    for (int row = 0; row < kRows; ++row) flags |= row_flags[i * kRows + row];
+    if (!(flags & kRowFused)) return;
     const int64_t slot = slots[i];
-    volume.brick_states[slot] = any ? kBrickSurface : kBrickObserved;
-    if (any) volume.brick_last_seen[slot] = frame_sequence;
-  }
-};
-
-/// Whether a block of bricks holds surface; by block slot.
-struct SummariseBlock {
-  VolumeView volume;
-
-  KT_HOST_DEVICE void operator()(int64_t block_slot) const {
-    const int blocks = volume.bricks / kBlockSide;
-    const int64_t x = block_slot % blocks * kBlockSide, y = block_slot / blocks % blocks * kBlockSide,
-                  z = block_slot / blocks / blocks * kBlockSide;
-    uint8_t any = 0;
-    for (int64_t bz = z; bz < z + kBlockSide; ++bz) {
-      for (int64_t by = y; by < y + kBlockSide; ++by) {
-        for (int64_t bx = x; bx < x + kBlockSide; ++bx) {
-          any |= volume.brick_states[(bz * volume.bricks + by) * volume.bricks + bx] == kBrickSurface;
-        }
-      }
-    }
-    volume.block_states[block_slot] = any;
+    volume.brick_states[slot] = flags & kRowSurface ? kBrickSurface : kBrickObserved;
+    if (flags & kRowSurface) volume.brick_last_seen[slot] = frame_sequence;
   }
 };
 

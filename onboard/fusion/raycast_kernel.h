@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "onboard/fusion/grid.h"
+#include "onboard/fusion/brick_distance_kernel.h"
 #include "shared/core/pinhole.h"
 
 namespace kt {
@@ -50,43 +50,6 @@ struct VolumeSampler {
   }
 };
 
-/// Whether a brick or one of its 26 neighbours holds surface; by block, whose 64 bricks it writes. Rays
-/// through a tile of pixels stay within one brick of the tile's middle ray, so they miss nothing while that
-/// ray meets no such brick.
-struct DilateBlock {
-  VolumeView volume;
-  uint8_t* near_surface;  // out, by brick slot
-
-  KT_HOST_DEVICE void operator()(int64_t block_slot) const {
-    const int blocks = volume.bricks / kBlockSide;
-    const int64_t ring_x = block_slot % blocks * kBlockSide,
-                  ring_y = block_slot / blocks % blocks * kBlockSide,
-                  ring_z = block_slot / blocks / blocks * kBlockSide;
-    const Vec3i low = volume.brick((ring_z * volume.bricks + ring_y) * volume.bricks + ring_x);
-    const bool any = any_neighbour(
-        low, kBlockSide, [this](Vec3i b) { return volume.block_states[volume.block_slot(b)] != 0; });
-    for (int k = 0; k < kBlockSide * kBlockSide * kBlockSide; ++k) {
-      const Vec3i b = low + Vec3i{k % kBlockSide, k / kBlockSide % kBlockSide, k / kBlockSide / kBlockSide};
-      near_surface[volume.slot(b)] = any && any_neighbour(b, 1, [this](Vec3i n) {
-                                       return volume.brick_states[volume.slot(n)] == kBrickSurface;
-                                     });
-    }
-  }
-
-  /// Whether `test` holds for b or one of those `step` bricks beside it, inside the volume.
-  template <typename Test>
-  KT_HOST_DEVICE bool any_neighbour(Vec3i b, int step, const Test& test) const {
-    for (int k = 0; k < 27; ++k) {
-      const Vec3i n{b.x + (k % 3 - 1) * step, b.y + (k / 3 % 3 - 1) * step, b.z + (k / 9 - 1) * step};
-      const auto bricks = static_cast<uint32_t>(volume.bricks);
-      if (static_cast<uint32_t>(n.x) < bricks && static_cast<uint32_t>(n.y) < bricks &&
-          static_cast<uint32_t>(n.z) < bricks && test(n))
-        return true;
-    }
-    return false;
-  }
-};
-
 /// A ray through the volume, parametrised by the camera's depth (m).
 struct VolumeRay {
   Vec3f start, direction,
@@ -115,16 +78,17 @@ struct VolumeRay {
             static_cast<int32_t>(g.z + 0.5f)};
   }
 
-  /// Depth at which the ray leaves the aligned cell of 2^log2_side voxels that holds voxel `v`.
-  KT_HOST_DEVICE float exit_depth(Vec3i v, int log2_side) const {
-    return min_of(min_of(exit_axis(v.x >> log2_side, start.x, inverse.x, log2_side),
-                         exit_axis(v.y >> log2_side, start.y, inverse.y, log2_side)),
-                  exit_axis(v.z >> log2_side, start.z, inverse.z, log2_side));
+  /// Depth at which the ray leaves the cube of bricks that are fewer than `reach` bricks from `brick`, reach
+  /// >= 1.
+  KT_HOST_DEVICE float exit_depth(Vec3i brick, int reach) const {
+    return min_of(
+        min_of(exit_axis(brick.x, reach, start.x, inverse.x), exit_axis(brick.y, reach, start.y, inverse.y)),
+        exit_axis(brick.z, reach, start.z, inverse.z));
   }
-  /// The same along one axis, for the `cell`-th of those cells.
-  KT_HOST_DEVICE static float exit_axis(int cell, float s, float inv, int log2_side) {
-    const int border = cell + (inv > 0.0f ? 1 : 0);
-    return (static_cast<float>(border << log2_side) - 0.5f - s) * inv;
+  /// The same along one axis.
+  KT_HOST_DEVICE static float exit_axis(int brick, int reach, float s, float inv) {
+    const int border = inv > 0.0f ? brick + reach : brick - reach + 1;
+    return (static_cast<float>(border * kBrickSide) - 0.5f - s) * inv;
   }
 
  private:
@@ -141,14 +105,17 @@ struct VolumeRay {
 inline constexpr int kRayTileSide = 8;      // px
 inline constexpr float kRayNudgeM = 1e-4f;  // past a cell border, so that rounding cannot stop a ray on it
 
-/// The stretch of depth in which pixels of a tile can meet surface, from the bricks on the tile's middle ray.
+/// The stretch of depth in which pixels of a tile can meet surface.
 struct RayStretch {
   float start_m = 0, end_m = 0;
 };
 
+/// Finds the stretch from the bricks near the tile's middle ray: at the same depth, a ray of the tile is no
+/// farther from it than half the tile's diagonal, so what it meets lies within as many bricks as that
+/// distance takes.
 struct RaycastTile {
   VolumeView volume;
-  const uint8_t* near_surface;
+  const uint8_t* brick_distances;  // by slot
   PinholeParams camera;
   Rigid3f T_volume_camera;
   float min_depth_m, max_depth_m;
@@ -160,21 +127,29 @@ struct RaycastTile {
                         camera.unproject(static_cast<float>(tile_u * kRayTileSide) + half,
                                          static_cast<float>(tile_v * kRayTileSide) + half, 1.0f),
                         min_depth_m, max_depth_m);
+    // How far the tile's rays stray from the middle one per metre of depth.
+    const float spread = half * sqrtf(1.0f / (camera.fx * camera.fx) + 1.0f / (camera.fy * camera.fy));
+    const float brick_m = kBrickSide * volume.voxel_size_m;
+    constexpr float kLongestLeap = 1.7320508f * (2 * kFarthestBrick - 3);  // bricks: across the largest cube
     RayStretch stretch{max_depth_m, 0.0f};
     for (float t = ray.enter_m; t < ray.leave_m;) {
       const Vec3i v = VolumeRay::nearest_voxel(ray.at(t));
       if (!volume.contains(v)) break;
-      const float exit = max_of(ray.exit_depth(v, kLog2BrickSide), t) + kRayNudgeM;
-      if (near_surface[volume.slot(VolumeView::brick_of(v))]) {
+      const Vec3i brick = VolumeView::brick_of(v);
+      const int distance = brick_distances[volume.slot(brick)];
+      const float farthest_m = t + kLongestLeap * brick_m;
+      const int near = 1 + static_cast<int>(min_of(spread * farthest_m / brick_m, 1e3f));
+      const bool can_meet = distance <= near;
+      const float exit = max_of(ray.exit_depth(brick, can_meet ? 1 : distance - near), t) + kRayNudgeM;
+      if (can_meet) {
         stretch.start_m = min_of(stretch.start_m, t);
         stretch.end_m = exit;
       }
       t = exit;
     }
-    // The rays at the rim of the tile may enter and leave a little sooner or later.
-    const float brick_m = kBrickSide * volume.voxel_size_m;
+    // Where the middle ray enters or leaves the volume, others may do so sooner or later.
     stretches[int64_t{tile_v} * ((camera.width + kRayTileSide - 1) / kRayTileSide) + tile_u] = {
-        stretch.start_m - brick_m, stretch.end_m + brick_m};
+        stretch.start_m - spread * stretch.start_m, stretch.end_m + spread * stretch.end_m};
   }
 };
 
@@ -184,6 +159,7 @@ struct RaycastTile {
 /// look-ups. Elements are pixels tile by tile, so that neighbours in time read the same bricks.
 struct RaycastPixel {
   VolumeSampler sampler;
+  const uint8_t* brick_distances;  // by slot
   PinholeParams camera;
   Rigid3f T_volume_camera;
   float min_depth_m, max_depth_m;
@@ -255,8 +231,7 @@ struct RaycastPixel {
     float last_t[kLanes], last_tsdf[kLanes];  // last positive sample, 0 = none
     for (int l = 0; l < kLanes; ++l) last_t[l] = last_tsdf[l] = 0.0f;
     while (true) {
-      float exit_m[kLanes];
-      int32_t slot[kLanes], offset[kLanes];
+      int32_t bx[kLanes], by[kLanes], bz[kLanes], slot[kLanes], offset[kLanes];
       int32_t any = 0;
       for (int l = 0; l < kLanes; ++l) {
         const float t = rays->t[l];
@@ -268,38 +243,38 @@ struct RaycastPixel {
                                (static_cast<uint32_t>(z) < voxels_per_axis);
         rays->active[l] &= (t < rays->leave[l]) & inside;
         any |= rays->active[l];
-        const int32_t bx = x >> kLog2BrickSide, by = y >> kLog2BrickSide, bz = z >> kLog2BrickSide;
-        const int32_t ring = (volume.wrap(bz + volume.ring_origin.z) * volume.bricks +
-                              volume.wrap(by + volume.ring_origin.y)) *
+        bx[l] = x >> kLog2BrickSide, by[l] = y >> kLog2BrickSide, bz[l] = z >> kLog2BrickSide;
+        const int32_t ring = (volume.wrap(bz[l] + volume.ring_origin.z) * volume.bricks +
+                              volume.wrap(by[l] + volume.ring_origin.y)) *
                                  volume.bricks +
-                             volume.wrap(bx + volume.ring_origin.x);
+                             volume.wrap(bx[l] + volume.ring_origin.x);
         slot[l] = rays->active[l] ? ring : 0;
         offset[l] = rays->active[l] ? ((z & 7) * kBrickSide + (y & 7)) * kBrickSide + (x & 7) : 0;
-        exit_m[l] = min_of(min_of(VolumeRay::exit_axis(bx, s.x, rays->ix[l], kLog2BrickSide),
-                                  VolumeRay::exit_axis(by, s.y, rays->iy[l], kLog2BrickSide)),
-                           VolumeRay::exit_axis(bz, s.z, rays->iz[l], kLog2BrickSide));
       }
       if (!any) return;
-      int32_t in_surface[kLanes], distance[kLanes], weight[kLanes];
+      int32_t reach[kLanes], distance[kLanes], weight[kLanes];
       for (int l = 0; l < kLanes; ++l) {
-        in_surface[l] = volume.brick_states[slot[l]] == kBrickSurface;
+        reach[l] = brick_distances[slot[l]];
         // A brick without surface is not read: its memory may never have been touched.
-        const Voxel voxel = volume.voxels[in_surface[l] ? int64_t{slot[l]} * kBrickVoxels + offset[l] : 0];
+        const Voxel voxel = volume.voxels[reach[l] == 0 ? int64_t{slot[l]} * kBrickVoxels + offset[l] : 0];
         distance[l] = voxel.distance;
         weight[l] = voxel.weight_units();
       }
       for (int l = 0; l < kLanes; ++l) {
         const float t = rays->t[l], step = rays->voxel_step[l], before_t = last_t[l], before = last_tsdf[l];
-        const int32_t active = rays->active[l];
+        const int32_t active = rays->active[l], in_surface = reach[l] == 0;
         const float tsdf = static_cast<float>(distance[l]) / Voxel::kDistanceUnits;
-        const int32_t observed = in_surface[l] & (weight[l] > 0), in_front = observed & (tsdf >= 0.0f),
+        const int32_t observed = in_surface & (weight[l] > 0), in_front = observed & (tsdf >= 0.0f),
                       crossed = active & observed & (tsdf < 0.0f) & (before > 0.0f);
         const float crossing = before_t + (t - before_t) * before / (before - tsdf);
         // Behind a surface, or where nothing was observed, voxel by voxel.
         const float field_step = max_of(0.75f * step, tsdf * (tsdf_voxels * step));
         const float inside_brick = t + (in_front ? field_step : step);
-        const float past_brick = max_of(exit_m[l], t) + kRayNudgeM;
-        const float next = in_surface[l] ? inside_brick : past_brick;
+        const float exit = min_of(min_of(VolumeRay::exit_axis(bx[l], reach[l], s.x, rays->ix[l]),
+                                         VolumeRay::exit_axis(by[l], reach[l], s.y, rays->iy[l])),
+                                  VolumeRay::exit_axis(bz[l], reach[l], s.z, rays->iz[l]));
+        const float past_bricks = max_of(exit, t) + kRayNudgeM;
+        const float next = in_surface ? inside_brick : past_bricks;
         const float kept = observed ? before : 0.0f;
         last_t[l] = in_front ? t : before_t;
         last_tsdf[l] = in_front ? max_of(tsdf, 1e-6f) : kept;

@@ -37,13 +37,14 @@ TsdfVolume::TsdfVolume(const exec::Device& device, const PinholeParams& camera, 
       voxels_(device, cube(config.resolution)),
       colours_(device, cube(config.resolution)),
       brick_states_(device, cube(bricks_)),
-      block_states_(device, cube(bricks_ / kBlockSide)),
       brick_last_seen_(device, cube(bricks_)),
       tiles_(device, int64_t{tiles_across(camera.width, kTileSide)} * tiles_across(camera.height, kTileSide)),
       selected_(device, cube(bricks_)),
       slots_(device, cube(bricks_)),
-      row_has_surface_(device, cube(bricks_) * kBrickSide * kBrickSide),
-      near_surface_(device, cube(bricks_)),
+      row_flags_(device, cube(bricks_) * kBrickSide * kBrickSide),
+      brick_distances_(device, cube(bricks_)),
+      distance_scratch_{exec::Buffer<uint8_t>(device, cube(bricks_)),
+                        exec::Buffer<uint8_t>(device, cube(bricks_))},
       ray_stretches_(device, int64_t{tiles_across(camera.width, kRayTileSide)} *
                                  tiles_across(camera.height, kRayTileSide)),
       model_view_{
@@ -57,7 +58,6 @@ VolumeView TsdfVolume::view() const {
       self.voxels_.data(),
       self.colours_.data(),
       self.brick_states_.data(),
-      self.block_states_.data(),
       self.brick_last_seen_.data(),
       bricks_,
       origin_brick_,
@@ -79,17 +79,28 @@ void TsdfVolume::integrate(const FrameMaps& maps, const Pose& T_odom_camera, int
   exec::for_each_pixel(
       device_, tiles_across(camera_.width, kTileSide), tiles_across(camera_.height, kTileSide),
       TileDepthRange{maps.fusion_pixels.data(), camera_.width, camera_.height, tiles_.data()});
-  exec::for_each(device_, brick_states_.size(),
-                 SelectBrick{volume, camera_, T_camera_volume, tiles_.data(), selected_.data()});
+  exec::for_each(device_, SelectBlock::element_count(bricks_),
+                 SelectBlock{volume, camera_, T_camera_volume, tiles_.data(), selected_.data()});
   const int64_t bricks = exec::compact_flags(device_, selected_.data(), selected_.size(), slots_.data());
-  exec::for_each(
-      device_, bricks * kBrickSide * kBrickSide,
-      FuseRow{volume, camera_, T_camera_volume, slots_.data(), maps.fusion_pixels.data(),
-              static_cast<float>(config_.max_weight) * Voxel::kWeightUnits, row_has_surface_.data()});
+  exec::for_each(device_, bricks * kBrickSide * kBrickSide,
+                 FuseRow{volume, camera_, T_camera_volume, slots_.data(), maps.fusion_pixels.data(),
+                         static_cast<float>(config_.max_weight) * Voxel::kWeightUnits, row_flags_.data()});
   exec::for_each(
       device_, bricks,
-      SummariseBrick{volume, slots_.data(), row_has_surface_.data(), static_cast<uint32_t>(frame_sequence)});
-  exec::for_each(device_, block_states_.size(), SummariseBlock{volume});
+      SummariseBrick{volume, slots_.data(), row_flags_.data(), static_cast<uint32_t>(frame_sequence)});
+}
+
+void TsdfVolume::measure_brick_distances() {
+  exec::for_each(device_, brick_states_.size(),
+                 StartBrickDistance{brick_states_.data(), brick_distances_.data()});
+  uint8_t* distances = brick_distances_.data();
+  uint8_t *along_x = distance_scratch_[0].data(), *along_y = distance_scratch_[1].data();
+  const int64_t rows = int64_t{bricks_} * bricks_;
+  for (int round = 1; round < kFarthestBrick; ++round) {
+    exec::for_each(device_, rows, SpreadBrickDistance{bricks_, 0, distances, nullptr, along_x});
+    exec::for_each(device_, rows, SpreadBrickDistance{bricks_, 1, along_x, nullptr, along_y});
+    exec::for_each(device_, rows, SpreadBrickDistance{bricks_, 2, along_y, distances, distances});
+  }
 }
 
 const ModelView& TsdfVolume::raycast(const Pose& T_odom_camera) {
@@ -97,14 +108,15 @@ const ModelView& TsdfVolume::raycast(const Pose& T_odom_camera) {
   const VolumeView volume = view();
   const Rigid3f T_volume_camera = to_rigid3f(T_volume_odom() * T_odom_camera);
   constexpr float kNearestM = 0.1f, kFarthestM = 100.0f;  // the volume ends sooner
-  exec::for_each(device_, block_states_.size(), DilateBlock{volume, near_surface_.data()});
+  measure_brick_distances();
   const PinholeParams& camera = model_view_.camera;
   exec::for_each_pixel(device_, tiles_across(camera.width, kRayTileSide),
                        tiles_across(camera.height, kRayTileSide),
-                       RaycastTile{volume, near_surface_.data(), camera, T_volume_camera, kNearestM,
+                       RaycastTile{volume, brick_distances_.data(), camera, T_volume_camera, kNearestM,
                                    kFarthestM, ray_stretches_.data()});
   exec::for_each_lane(device_, RaycastPixel::element_count(camera),
                       RaycastPixel{{volume},
+                                   brick_distances_.data(),
                                    camera,
                                    T_volume_camera,
                                    kNearestM,
@@ -150,7 +162,6 @@ std::optional<CloudSlice> TsdfVolume::follow(const Pose& T_odom_camera) {
   slice.T_odom_camera = T_odom_camera;
   give_back_outside(after);
   origin_brick_ = wanted;
-  exec::for_each(device_, block_states_.size(), SummariseBlock{view()});
   return slice;
 }
 
@@ -174,7 +185,6 @@ CloudSlice TsdfVolume::flush() {
   CloudSlice slice = extractor_.extract(
       {view(), nothing, static_cast<int32_t>(std::lround(config_.min_slice_weight * Voxel::kWeightUnits))});
   slice.is_final = true;
-  exec::for_each(device_, block_states_.size(), SummariseBlock{view()});
   return slice;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "onboard/fusion/integrate_kernel.h"
@@ -50,6 +51,7 @@ class TsdfVolume {
 
  private:
   Pose T_volume_odom() const;
+  void measure_brick_distances();
   /// The cleared bricks outside `after` need no memory until they are fused into again.
   void give_back_outside(const VoxelBounds& after);
   Vec3i wanted_origin_brick(const Pose& T_odom_camera) const;
@@ -62,13 +64,14 @@ class TsdfVolume {
   bool placed_ = false;
   exec::Buffer<Voxel> voxels_;
   exec::Buffer<ColourVoxel> colours_;
-  exec::Buffer<uint8_t> brick_states_, block_states_;
+  exec::Buffer<uint8_t> brick_states_;
   exec::Buffer<uint32_t> brick_last_seen_;
   exec::Buffer<DepthRange> tiles_;
   exec::Buffer<uint8_t> selected_;
   exec::Buffer<int32_t> slots_;
-  exec::Buffer<uint8_t> row_has_surface_;
-  exec::Buffer<uint8_t> near_surface_;
+  exec::Buffer<uint8_t> row_flags_;
+  exec::Buffer<uint8_t> brick_distances_;
+  std::array<exec::Buffer<uint8_t>, 2> distance_scratch_;
   exec::Buffer<RayStretch> ray_stretches_;
   ModelView model_view_;
   SliceExtractor extractor_;

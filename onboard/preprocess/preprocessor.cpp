@@ -33,6 +33,10 @@ float max_slope(const PinholeParams& camera, double angle_deg) {
   return static_cast<float>(std::tan(angle_deg * std::numbers::pi / 180) / camera.fx);
 }
 
+bool shares_viewpoint(const Calibration& calibration) {
+  return calibration.T_colour_depth.matrix() == Pose::Identity().matrix();
+}
+
 }  // namespace
 
 Preprocessor::Preprocessor(const exec::Device& device, const Calibration& calibration,
@@ -47,6 +51,7 @@ Preprocessor::Preprocessor(const exec::Device& device, const Calibration& calibr
   undistortion_.upload(undistortion_table(calibration.depth));
   measured_depth_ = {device, DepthView::padded_size(camera_.width, camera_.height)};
   colour_ = {device, calibration.colour.pinhole().pixel_count()};
+  colour_positions_ = {device, pixels};
   registered_colour_ = {device, pixels};
   maps_.fusion_pixels = {device, pixels};
   PinholeParams camera = camera_;
@@ -56,6 +61,17 @@ Preprocessor::Preprocessor(const exec::Device& device, const Calibration& calibr
     level.normals = {device, camera.pixel_count()};
     camera = camera.half();
   }
+  if (shares_viewpoint(calibration)) {
+    exec::Buffer<float> far(device, DepthView::padded_size(camera_.width, camera_.height));
+    far.upload(std::vector<float>(static_cast<size_t>(far.size()), 1.0f));
+    find_colour_positions({far.data(), camera_.width, camera_.height});
+  }
+}
+
+void Preprocessor::find_colour_positions(const DepthView& depth) {
+  exec::for_each_pixel(device_, camera_.width, camera_.height,
+                       FindColourPosition{depth, camera_, to_rigid3f(calibration_.T_colour_depth),
+                                          calibration_.colour.distorted_pinhole(), colour_positions_.data()});
 }
 
 const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
@@ -97,10 +113,11 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
 
   if (!frame.colour.empty()) {
     colour_.upload(frame.colour.pixels());
-    exec::for_each_pixel(
-        device_, camera_.width, camera_.height,
-        RegisterColour{full.depth_view(), camera_, to_rigid3f(calibration_.T_colour_depth),
-                       calibration_.colour.distorted_pinhole(), colour_.data(), registered_colour_.data()});
+    // Seen from the same place, a point stays at its pixel whatever its depth: the constructor has found it.
+    if (!shares_viewpoint(calibration_)) find_colour_positions(full.depth_view());
+    exec::for_each_pixel(device_, camera_.width, camera_.height,
+                         SampleColour{full.depth_view(), colour_positions_.data(), calibration_.colour.width,
+                                      calibration_.colour.height, colour_.data(), registered_colour_.data()});
   }
   exec::for_each_pixel(
       device_, camera_.width, camera_.height,

@@ -45,6 +45,8 @@ class Preprocessor {
   const FrameMaps& process(const RgbdFrame& frame);
 
  private:
+  void find_colour_positions(const DepthView& depth);
+
   exec::Device device_;
   Calibration calibration_;
   PreprocessConfig config_;
@@ -53,6 +55,7 @@ class Preprocessor {
   exec::Buffer<int32_t> undistortion_;  // source pixel of each undistorted depth pixel
   exec::Buffer<float> measured_depth_;  // bordered
   exec::Buffer<Rgb8> colour_;
+  exec::Buffer<ColourPosition> colour_positions_;  // by depth pixel
   exec::Buffer<uint32_t> registered_colour_;
   FrameMaps maps_;
 };

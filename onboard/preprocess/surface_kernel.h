@@ -9,7 +9,7 @@
 namespace kt {
 
 /// Normal of the filtered depth at a pixel from central differences over `step` pixels (one-sided beside a
-/// hole or an edge).
+/// hole or an edge). Free of branches, so that a row of pixels becomes SIMD.
 struct ComputeNormal {
   DepthView depth;
   PinholeParams camera;
@@ -18,32 +18,37 @@ struct ComputeNormal {
                     // surface
   Vec4f* normals;   // out: unit normal in the camera frame facing the camera; w = 1 where valid, else all 0
 
-  KT_HOST_DEVICE Vec3f point(int u, int v, float z) const {
-    return camera.unproject(static_cast<float>(u), static_cast<float>(v), z);
-  }
-
-  KT_HOST_DEVICE bool tangent(int u, int v, int du, int dv, float z, Vec3f* direction) const {
-    const float limit = max_slope * z * static_cast<float>(step) + 3.0f * depth_sigma_m(z);
-    const float ahead = depth.at(u + du, v + dv), behind = depth.at(u - du, v - dv);
-    const bool has_ahead = ahead > 0.0f && fabsf(ahead - z) <= limit;
-    const bool has_behind = behind > 0.0f && fabsf(behind - z) <= limit;
-    if (!has_ahead && !has_behind) return false;
-    const Vec3f a = has_ahead ? point(u + du, v + dv, ahead) : point(u, v, z);
-    const Vec3f b = has_behind ? point(u - du, v - dv, behind) : point(u, v, z);
-    *direction = a - b;
-    return true;
-  }
-
   KT_HOST_DEVICE void operator()(int u, int v) const {
     const float z = depth.at(u, v);
-    Vec4f result;
-    Vec3f along_u, along_v;
-    if (z > 0.0f && tangent(u, v, step, 0, z, &along_u) && tangent(u, v, 0, step, z, &along_v)) {
-      const Vec3f n = cross(along_v, along_u);  // u right, v down: points back to the camera
-      const float length = norm(n);
-      if (length > 0.0f) result = {n.x / length, n.y / length, n.z / length, 1.0f};
-    }
-    normals[int64_t{v} * camera.width + u] = result;
+    const float limit = max_slope * z * static_cast<float>(step) + 3.0f * depth_sigma_m(z);
+    const float ray_x = (static_cast<float>(u) - camera.cx) / camera.fx,
+                ray_y = (static_cast<float>(v) - camera.cy) / camera.fy;
+    const Difference along_u = difference(depth.at(u + step, v), depth.at(u - step, v), z, limit),
+                     along_v = difference(depth.at(u, v + step), depth.at(u, v - step), z, limit);
+    const float reach_x = static_cast<float>(step) / camera.fx,
+                reach_y = static_cast<float>(step) / camera.fy;
+    const Vec3f tangent_u{ray_x * along_u.dz + reach_x * along_u.z_sum, ray_y * along_u.dz, along_u.dz};
+    const Vec3f tangent_v{ray_x * along_v.dz, ray_y * along_v.dz + reach_y * along_v.z_sum, along_v.dz};
+    const Vec3f n = cross(tangent_v, tangent_u);  // u right, v down: points back to the camera
+    const float length = norm(n);
+    const float valid =
+        (z > 0.0f) & (along_u.z_sum > 0.0f) & (along_v.z_sum > 0.0f) & (length > 0.0f) ? 1.0f : 0.0f;
+    const float scale = valid / (length > 0.0f ? length : 1.0f);
+    normals[int64_t{v} * camera.width + u] = {n.x * scale, n.y * scale, n.z * scale, valid};
+  }
+
+ private:
+  // Between the points ahead and behind of a pixel, of which those beside a hole or an edge are replaced by
+  // the pixel itself: depth difference, and the sum of the depths of those kept, by which the distance across
+  // grows.
+  struct Difference {
+    float dz, z_sum;
+  };
+  KT_HOST_DEVICE static Difference difference(float ahead, float behind, float z, float limit) {
+    const bool has_ahead = (ahead > 0.0f) & (fabsf(ahead - z) <= limit),
+               has_behind = (behind > 0.0f) & (fabsf(behind - z) <= limit);
+    return {(has_ahead ? ahead : z) - (has_behind ? behind : z),
+            (has_ahead ? ahead : 0.0f) + (has_behind ? behind : 0.0f)};
   }
 };
 
@@ -99,39 +104,57 @@ struct MakeFusionPixel {
   }
 };
 
-/// Colour of each depth pixel: its point projected into the colour camera, bilinear.
-struct RegisterColour {
+/// Where a depth pixel's point is seen in the colour image as recorded.
+struct ColourPosition {
+  float u = -1, v = -1;  // px; outside the image where the pixel has no depth
+};
+
+struct FindColourPosition {
   DepthView depth;       // filtered: fewer speckles than the raw depth gives
   PinholeParams camera;  // of the depth
   Rigid3f T_colour_depth;
   DistortedPinholeParams colour_camera;
+  ColourPosition* positions;  // out
+
+  KT_HOST_DEVICE void operator()(int u, int v) const {
+    const float z = depth.at(u, v);
+    const Vec3f p = T_colour_depth * camera.unproject(static_cast<float>(u), static_cast<float>(v), z);
+    const bool in_front = (z > 0.0f) & (p.z > 0.0f);
+    ColourPosition position;
+    colour_camera.project({p.x, p.y, in_front ? p.z : 1.0f}, &position.u, &position.v);
+    positions[int64_t{v} * camera.width + u] = {in_front ? position.u : -1.0f, in_front ? position.v : -1.0f};
+  }
+};
+
+/// Colour of each depth pixel, bilinear.
+struct SampleColour {
+  DepthView depth;
+  const ColourPosition* positions;
+  int32_t colour_width, colour_height;
   const Rgb8* colour;    // as recorded
   uint32_t* registered;  // out, rgba
 
   KT_HOST_DEVICE void operator()(int u, int v) const {
-    const float z = depth.at(u, v);
+    const int64_t i = int64_t{v} * depth.width + u;
+    const auto [cu, cv] = positions[i];
     uint32_t rgba = 0;
-    if (z > 0.0f) {
-      const Vec3f p = T_colour_depth * camera.unproject(static_cast<float>(u), static_cast<float>(v), z);
-      float cu = -1.0f, cv = -1.0f;
-      if (p.z > 0.0f) colour_camera.project(p, &cu, &cv);
-      const PinholeParams& size = colour_camera.pinhole;
-      if (cu >= 0.0f && cv >= 0.0f && cu < static_cast<float>(size.width - 1) &&
-          cv < static_cast<float>(size.height - 1)) {
-        const int u0 = static_cast<int>(cu), v0 = static_cast<int>(cv);
-        const float fu = cu - static_cast<float>(u0), fv = cv - static_cast<float>(v0);
-        const Rgb8* row0 = colour + int64_t{v0} * size.width + u0;
-        const Rgb8* row1 = row0 + size.width;
-        const float w00 = (1.0f - fu) * (1.0f - fv), w10 = fu * (1.0f - fv), w01 = (1.0f - fu) * fv,
-                    w11 = fu * fv;
-        const float r = w00 * row0[0].r + w10 * row0[1].r + w01 * row1[0].r + w11 * row1[1].r;
-        const float g = w00 * row0[0].g + w10 * row0[1].g + w01 * row1[0].g + w11 * row1[1].g;
-        const float b = w00 * row0[0].b + w10 * row0[1].b + w01 * row1[0].b + w11 * row1[1].b;
-        rgba = static_cast<uint32_t>(r + 0.5f) | static_cast<uint32_t>(g + 0.5f) << 8 |
-               static_cast<uint32_t>(b + 0.5f) << 16 | 0xff000000u;
-      }
+    if (depth.at(u, v) > 0.0f && cu >= 0.0f && cv >= 0.0f && cu <= static_cast<float>(colour_width - 1) &&
+        cv <= static_cast<float>(colour_height - 1)) {
+      const int u0 = static_cast<int>(cu), v0 = static_cast<int>(cv);
+      const float fu = cu - static_cast<float>(u0), fv = cv - static_cast<float>(v0);
+      const Rgb8* row0 = colour + int64_t{v0} * colour_width + u0;
+      const int right = u0 + 1 < colour_width ? 1 : 0;
+      const Rgb8* row1 = v0 + 1 < colour_height ? row0 + colour_width : row0;
+      const float w00 = (1.0f - fu) * (1.0f - fv), w10 = fu * (1.0f - fv), w01 = (1.0f - fu) * fv,
+                  w11 = fu * fv;
+      const auto blend = [&](uint8_t a, uint8_t b, uint8_t c, uint8_t d) {
+        return static_cast<uint32_t>(w00 * a + w10 * b + w01 * c + w11 * d + 0.5f);
+      };
+      rgba = blend(row0[0].r, row0[right].r, row1[0].r, row1[right].r) |
+             blend(row0[0].g, row0[right].g, row1[0].g, row1[right].g) << 8 |
+             blend(row0[0].b, row0[right].b, row1[0].b, row1[right].b) << 16 | 0xff000000u;
     }
-    registered[int64_t{v} * camera.width + u] = rgba;
+    registered[i] = rgba;
   }
 };
 

@@ -88,16 +88,6 @@ TEST(VolumeView, ShiftMovesNoVoxel) {
   }
 }
 
-TEST(VolumeView, BlocksHoldTheirBricks) {
-  const VolumeView view = view_at({-4, 0, 4});
-  for (int64_t slot = 0; slot < kBricks * kBricks * kBricks; ++slot) {
-    const Vec3i b = view.brick(slot), first{b.x / kBlockSide * kBlockSide, b.y / kBlockSide * kBlockSide,
-                                            b.z / kBlockSide * kBlockSide};
-    EXPECT_EQ(view.block_slot(b), view.block_slot(first));
-    EXPECT_LT(view.block_slot(b), 8);
-  }
-}
-
 TEST(VolumeView, ContainsItsCubeOnly) {
   const VolumeView view = view_at({0, 0, 0});
   const int n = view.voxels_per_axis();
