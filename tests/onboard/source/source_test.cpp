@@ -13,7 +13,7 @@
 #include "shared/wire/codec.h"
 #include "shared/wire/event_log.h"
 #include "shared/wire/frame_codec.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -122,7 +122,7 @@ TEST(OpenSource, NamesTheKnownSchemes) {
 }
 
 TEST(OpenSource, ReadsADataset) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   fs::create_directory(folder.path() / "depth");
   std::string list;
   for (int i = 1; i <= 3; ++i) {
@@ -146,7 +146,7 @@ TEST(OpenSource, ReadsADataset) {
 }
 
 TEST(OpenSource, WithoutTheRightCalibrationEveryFrameIsSkipped) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   fs::create_directory(folder.path() / "depth");
   write_depth(folder.path() / "depth/1.png", small_frame(0).depth);
   write_file(folder.path() / "depth.txt", "1 depth/1.png\n");
@@ -179,7 +179,7 @@ void write_log(const fs::path& path, const std::vector<CompressedFrame>& frames,
 }
 
 TEST(OpenSource, ReplaysTheRawFramesOfALog) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   std::vector<CompressedFrame> frames;
   for (int64_t i = 0; i < 3; ++i) frames.push_back(compress(small_frame(1000 + i)));
   frames[1].depth_png.resize(frames[1].depth_png.size() / 2);
@@ -200,7 +200,7 @@ TEST(OpenSource, ReplaysTheRawFramesOfALog) {
 }
 
 TEST(OpenSource, LogsWithoutRawFramesOrSessionAreNamed) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   write_log(folder.path() / "poses.lcm", {});
   EXPECT_THAT(error_of([&] { open_source("lcm-log:" + (folder.path() / "poses.lcm").string()); }),
               AllOf(HasSubstr("poses.lcm"), HasSubstr("--record-raw")));

@@ -7,7 +7,7 @@
 #include <regex>
 
 #include "shared/io/file.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -94,7 +94,7 @@ TEST(CalibrationFile, BuiltInCamerasMakeSense) {
 }
 
 TEST(CalibrationFile, IsFoundByNameOrPath) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   write_file(folder.path() / "rig.yaml", kMinimal);
   EXPECT_EQ(find_calibration((folder.path() / "rig.yaml").string()).depth.fx, 500);
   EXPECT_EQ(find_calibration("tum-fr3").depth.fx, 535.4);

@@ -9,7 +9,7 @@
 #include "shared/io/file.h"
 #include "shared/io/image_file.h"
 #include "shared/io/trajectory_file.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -37,7 +37,7 @@ void make_tum_folder(const fs::path& folder) {
 }
 
 TEST(TumDataset, PairsColourToDepth) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   make_tum_folder(folder.path());
   const Dataset dataset = open_dataset("tum", folder.path());
   ASSERT_EQ(dataset.frame_count(), 3);
@@ -55,14 +55,14 @@ TEST(TumDataset, PairsColourToDepth) {
 }
 
 TEST(TumDataset, GroundtruthMayBeMissing) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   make_tum_folder(folder.path());
   fs::remove(folder.path() / "groundtruth.txt");
   EXPECT_TRUE(open_dataset("tum", folder.path()).groundtruth().empty());
 }
 
 TEST(TumDataset, CameraFollowsTheFolderName) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   const auto camera_of = [&](const char* name) {
     make_tum_folder(folder.path() / name);
     return open_dataset("tum", folder.path() / name).default_calibration().name;
@@ -79,7 +79,7 @@ TEST(TumDataset, CameraFollowsTheFolderName) {
 }
 
 TEST(TumDataset, DamagedImagesAreErrorsOfTheirFrameOnly) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   make_tum_folder(folder.path());
   const std::string whole = read_file(folder.path() / "depth/1.png");
   write_file(folder.path() / "depth/1.png", whole.substr(0, whole.size() / 2));
@@ -91,7 +91,7 @@ TEST(TumDataset, DamagedImagesAreErrorsOfTheirFrameOnly) {
 }
 
 TEST(TumDataset, BadListsAreNamed) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   make_tum_folder(folder.path());
   write_file(folder.path() / "rgb.txt", "10.0 rgb/1.png\n10.1\n");
   EXPECT_THAT(error_of([&] { open_dataset("tum", folder.path()); }), HasSubstr("rgb.txt, line 2"));
@@ -100,7 +100,7 @@ TEST(TumDataset, BadListsAreNamed) {
 }
 
 TEST(Dataset, UnknownFormatsAndEmptyFoldersAreErrors) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   EXPECT_THAT(error_of([&] { open_dataset("kitti", folder.path()); }), HasSubstr("known: tum, icl, 7scenes"));
   EXPECT_THAT(error_of([&] { open_dataset("7scenes", folder.path()); }), HasSubstr("holds no frames"));
   EXPECT_THAT(error_of([&] { open_dataset("icl", folder.path()); }), HasSubstr("cannot be listed"));
@@ -111,7 +111,7 @@ TEST(Dataset, UnknownFormatsAndEmptyFoldersAreErrors) {
 }
 
 TEST(SevenScenesDataset, ReadsImagesAndPosesByNumber) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   for (uint16_t i : {3, 4, 10}) {
     const std::string frame =
         (folder.path() / "frame-0000").string() + (i < 10 ? "0" : "") + std::to_string(i);
@@ -133,7 +133,7 @@ TEST(SevenScenesDataset, ReadsImagesAndPosesByNumber) {
 }
 
 TEST(SevenScenesDataset, BadPosesAreNamed) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   write_images(folder.path() / "frame-000001.depth.png", folder.path() / "frame-000001.color.png", 1);
   for (const char* pose :
        {"1 0 0 0\n0 1 0 0\n", "1 0 0 0\n0 2 0 0\n0 0 1 0\n0 0 0 1\n", "1 0 0\n", "a b c d\n"}) {

@@ -9,7 +9,7 @@
 #include "shared/io/dataset.h"
 #include "shared/io/file.h"
 #include "shared/io/image_file.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -67,7 +67,7 @@ void render_icl(const fs::path& folder) {
 class IclNuimTest : public ::testing::Test {
  protected:
   IclNuimTest() { render_icl(folder_.path()); }
-  TemporaryFolder folder_;
+  ScratchDir folder_;
 };
 
 TEST_F(IclNuimTest, ImagesIntrinsicsAndPosesAgree) {

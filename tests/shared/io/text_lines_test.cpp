@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {

@@ -45,15 +45,6 @@ void write_events(const std::filesystem::path& path, const std::vector<StoredEve
   EXPECT_EQ(static_cast<uintmax_t>(writer.byte_count()), std::filesystem::file_size(path));
 }
 
-std::string error_of(const auto& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 TEST(EventLog, ReadsWhatItWrote) {
   const ScratchDir folder;
   write_events(folder / "a.lcm", kEvents);
