@@ -151,10 +151,54 @@ TEST(EventLog, DoesNotOverwriteUnasked) {
   const ScratchDir folder;
   write_events(folder / "a.lcm", kEvents);
   const Bytes before = read_bytes(folder / "a.lcm");
-  EXPECT_NE(error_of([&] { EventLogWriter(folder / "a.lcm"); }).find("a.lcm exists"), std::string::npos);
+  const std::string text = error_of([&] { EventLogWriter(folder / "a.lcm"); });
+  EXPECT_NE(text.find("a.lcm exists"), std::string::npos) << text;
+  EXPECT_NE(text.find("--overwrite"), std::string::npos) << text;
   EXPECT_EQ(read_bytes(folder / "a.lcm"), before);
+}
+
+TEST(EventLog, OverwritesOnlyWithTheFirstEvent) {
+  const ScratchDir folder;
+  write_events(folder / "a.lcm", kEvents);
+  const Bytes before = read_bytes(folder / "a.lcm");
   EventLogWriter(folder / "a.lcm", true).close();
-  EXPECT_TRUE(read_bytes(folder / "a.lcm").empty());
+  { const EventLogWriter unused(folder / "a.lcm", true); }
+  EXPECT_EQ(read_bytes(folder / "a.lcm"), before);
+  EventLogWriter writer(folder / "a.lcm", true);
+  writer.write("B", 1, Bytes{9});
+  writer.close();
+  EventLogReader reader(folder / "a.lcm");
+  EXPECT_EQ(read_all(reader), (std::vector<StoredEvent>{{1, "B", {9}}}));
+  EXPECT_TRUE(reader.integrity().is_sound());
+}
+
+TEST(EventLog, NewLogWithoutEventsIsRemoved) {
+  const ScratchDir folder;
+  EventLogWriter(folder / "a.lcm").close();
+  { const EventLogWriter unused(folder / "a.lcm"); }
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.lcm"));
+}
+
+TEST(EventLog, ALogInUseIsNotOverwritten) {
+  const ScratchDir folder;
+  write_events(folder / "a.lcm", kEvents);
+  const Bytes before = read_bytes(folder / "a.lcm");
+  const auto overwrite = [&] { EventLogWriter(folder / "a.lcm", true).write("B", 1, Bytes{9}); };
+  {
+    EventLogReader reader(folder / "a.lcm");
+    const EventLogReader another(folder / "a.lcm");
+    const std::string text = error_of(overwrite);
+    EXPECT_NE(text.find("a.lcm is being read or written"), std::string::npos) << text;
+    EXPECT_EQ(read_all(reader), kEvents);
+  }
+  {
+    const EventLogWriter writer(folder / "a.lcm", true);
+    EXPECT_NE(error_of(overwrite).find("a.lcm is being read or written"), std::string::npos);
+    EventLogReader reader(folder / "a.lcm");  // reading is free
+    EXPECT_EQ(read_all(reader), kEvents);
+  }
+  EXPECT_EQ(read_bytes(folder / "a.lcm"), before);
+  EXPECT_EQ(error_of(overwrite), "");
 }
 
 TEST(EventLog, UnwritablePlaceIsAnErrorThatNamesIt) {
