@@ -32,7 +32,8 @@ class EventLogWriter {
   /// disk is full or gone: the file then ends behind the last whole event, and so does every later call.
   void write(std::string_view channel, int64_t timestamp_us, std::span<const uint8_t> data);
 
-  /// Throws kt::Error where the system reports a late write error. The destructor closes without a word.
+  /// Returns once the log is on the disk itself; throws kt::Error where that fails. The destructor closes
+  /// without a word and without waiting for the disk.
   void close();
 
   int64_t event_count() const { return event_count_; }

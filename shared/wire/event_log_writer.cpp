@@ -110,8 +110,10 @@ void EventLogWriter::close() {
   if (file_ < 0) return;
   remove_if_unused();
   const int file = std::exchange(file_, -1);
-  const int error = ::close(file) == 0 ? 0 : errno;
-  if (error != 0 && error != EINTR) {
+  int error = ::fdatasync(file) == 0 ? 0 : errno;
+  if (error == EINVAL || error == EROFS) error = 0;  // a device or a pipe, which has nothing to sync
+  if (::close(file) != 0 && errno != EINTR && error == 0) error = errno;
+  if (error != 0) {
     throw Error("cannot finish the log " + path_.string() + ": " + reason(error) +
                 "; its last events may be lost");
   }

@@ -7,10 +7,25 @@
 #include <gtest/gtest.h>
 #include <lcm/eventlog.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include "shared/core/check.h"
 #include "shared/wire/event_log_format.h"
 #include "tests/shared/wire/sample_messages.h"
+
+namespace {
+int synced_files = 0;
+int sync_error = 0;  // the errno that syncing fails with; 0 = it works
+}  // namespace
+
+/// Takes the place of the C library's, so that tests see and fail it.
+extern "C" int fdatasync(int file) {
+  ++synced_files;
+  if (sync_error == 0) return static_cast<int>(::syscall(SYS_fdatasync, file));
+  errno = sync_error;
+  return -1;
+}
 
 namespace kt {
 namespace {
@@ -212,6 +227,25 @@ TEST(EventLog, FullDiskIsAnErrorAtOnceAndEverAfter) {
     EXPECT_NE(text.find("/dev/full: No space left on device"), std::string::npos) << text;
   }
   EXPECT_EQ(writer.event_count(), 0);
+}
+
+TEST(EventLog, CloseWaitsForTheDisk) {
+  const ScratchDir folder;
+  synced_files = 0;
+  write_events(folder / "a.lcm", kEvents);
+  EXPECT_EQ(synced_files, 1);
+  EventLogWriter writer(folder / "b.lcm");
+  writer.write("A", 0, Bytes{1});
+  sync_error = EIO;
+  const std::string text = error_of([&] { writer.close(); });
+  sync_error = 0;
+  EXPECT_NE(text.find("b.lcm: Input/output error"), std::string::npos) << text;
+}
+
+TEST(EventLog, ADeviceNeedsNoSync) {
+  EventLogWriter writer("/dev/null");
+  writer.write("A", 0, Bytes{1});
+  writer.close();
 }
 
 TEST(EventLog, DiskThatFillsUpKeepsEveryWholeEvent) {
