@@ -22,7 +22,6 @@ class CheckedSource final : public FrameSource {
   SourceItem next() override;
   int64_t frame_count() const override { return source_->frame_count(); }
   const Calibration& calibration() const override { return calibration_; }
-  const Trajectory& groundtruth() const override { return source_->groundtruth(); }
 
  private:
   std::string problem_of(const RgbdFrame& frame) const;

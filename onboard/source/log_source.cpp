@@ -47,13 +47,11 @@ class LogSource final : public FrameSource {
   }
   int64_t frame_count() const override { return -1; }
   const Calibration& calibration() const override { return calibration_; }
-  const Trajectory& groundtruth() const override { return groundtruth_; }
 
  private:
   MessageReader reader_;
   std::optional<CompressedFrame> pending_;  ///< read but not yet handed out
   Calibration calibration_;
-  Trajectory groundtruth_;  ///< empty: a log has none
 };
 
 }  // namespace

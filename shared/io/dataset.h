@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@
 namespace kt {
 
 /// What a folder holds: which images make a frame, and the poses that came with them. Opening reads lists
-/// only; images are read when asked for.
+/// only; images and poses are read when asked for.
 class Dataset {
  public:
   struct Entry {
@@ -21,9 +22,9 @@ class Dataset {
     std::filesystem::path depth, colour;  ///< `colour` is empty where the frame has none
   };
 
-  Dataset(std::vector<Entry> entries, Trajectory groundtruth, Calibration calibration)
+  Dataset(std::vector<Entry> entries, std::function<Trajectory()> read_groundtruth, Calibration calibration)
       : entries_(std::move(entries)),
-        groundtruth_(std::move(groundtruth)),
+        read_groundtruth_(std::move(read_groundtruth)),
         calibration_(std::move(calibration)) {}
 
   int64_t frame_count() const { return static_cast<int64_t>(entries_.size()); }
@@ -32,9 +33,9 @@ class Dataset {
   /// Frame `i`, its images as stored; throws kt::Error where one is missing or damaged.
   RgbdFrame load(int64_t i) const;
 
-  /// T_world_camera of the depth camera at the recording's own stamps, not one per frame; empty where there
-  /// is none.
-  const Trajectory& groundtruth() const { return groundtruth_; }
+  /// Reads T_world_camera of the depth camera at the recording's own stamps, not one per frame; empty where
+  /// there is none. Throws kt::Error where what is there cannot be read.
+  Trajectory groundtruth() const { return read_groundtruth_(); }
   /// calibration.yaml of the folder where there is one, else the built-in one that fits.
   const Calibration& default_calibration() const { return calibration_; }
 
@@ -42,7 +43,7 @@ class Dataset {
   const Entry& entry(int64_t i) const;
 
   std::vector<Entry> entries_;
-  Trajectory groundtruth_;
+  std::function<Trajectory()> read_groundtruth_;
   Calibration calibration_;
 };
 

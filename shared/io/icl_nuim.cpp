@@ -60,9 +60,11 @@ Dataset open_icl_nuim(const std::filesystem::path& folder) {
     entries.push_back(
         {stamp_us, stamp_us, depth, partner == colour.end() ? std::filesystem::path() : partner->second});
   }
-  const std::filesystem::path poses = find_groundtruth(folder);
-  return Dataset(std::move(entries), poses.empty() ? Trajectory{} : read_icl_groundtruth(poses),
-                 folder_calibration(folder, "icl-nuim"));
+  const auto read_groundtruth = [folder] {
+    const std::filesystem::path poses = find_groundtruth(folder);
+    return poses.empty() ? Trajectory{} : read_icl_groundtruth(poses);
+  };
+  return Dataset(std::move(entries), read_groundtruth, folder_calibration(folder, "icl-nuim"));
 }
 
 }  // namespace kt

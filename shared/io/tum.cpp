@@ -52,9 +52,10 @@ Dataset open_tum(const std::filesystem::path& folder) {
     entries[pair.first].colour = colour.files[pair.second];
   }
 
-  const std::filesystem::path poses = folder / "groundtruth.txt";
-  return Dataset(std::move(entries), std::filesystem::exists(poses) ? read_trajectory(poses) : Trajectory{},
-                 folder_calibration(folder, camera_of(folder)));
+  const auto read_groundtruth = [poses = folder / "groundtruth.txt"] {
+    return std::filesystem::exists(poses) ? read_trajectory(poses) : Trajectory{};
+  };
+  return Dataset(std::move(entries), read_groundtruth, folder_calibration(folder, camera_of(folder)));
 }
 
 }  // namespace kt

@@ -50,13 +50,11 @@ class PreparedSource final : public FrameSource {
   }
   int64_t frame_count() const override { return static_cast<int64_t>(frames_.size()); }
   const Calibration& calibration() const override { return calibration_; }
-  const Trajectory& groundtruth() const override { return groundtruth_; }
 
  private:
   std::vector<std::optional<RgbdFrame>> frames_;
   size_t next_ = 0;
   Calibration calibration_ = small_calibration();
-  Trajectory groundtruth_;
 };
 
 TEST(CheckedSource, SkipsBadFramesWithAReasonAndGoesOn) {
@@ -145,6 +143,16 @@ TEST(OpenSource, ReadsADataset) {
   EXPECT_EQ(source->next().kind, Kind::kEnd);
 }
 
+TEST(OpenSource, BadGroundTruthStopsNoMission) {
+  const ScratchDir folder;
+  write_depth(folder / "1.png", small_frame(0).depth);
+  write_file(folder / "depth.txt", "1 1.png\n");
+  write_file(folder / "rgb.txt", "");
+  write_file(folder / "groundtruth.txt", "no pose at all\n");
+  const auto source = open_source("tum:" + folder.path().string(), small_calibration());
+  EXPECT_EQ(source->next().kind, Kind::kFrame);
+}
+
 TEST(OpenSource, WithoutTheRightCalibrationEveryFrameIsSkipped) {
   const ScratchDir folder;
   fs::create_directory(folder.path() / "depth");
@@ -161,7 +169,7 @@ TEST(OpenSource, RendersAMission) {
   const SourceItem item = source->next();
   ASSERT_EQ(item.kind, Kind::kFrame) << item.reason;
   EXPECT_EQ(item.frame.depth.width(), source->calibration().depth.width);
-  EXPECT_EQ(source->frame_count(), static_cast<int64_t>(source->groundtruth().size()));
+  EXPECT_EQ(source->frame_count(), SyntheticMission(name).frame_count());
 }
 
 /// A log with a session, and the frames in it.

@@ -136,7 +136,8 @@ TEST_F(IclNuimTest, ImagesWithoutAPoseOrColourAreKept) {
 
 TEST_F(IclNuimTest, TwoGroundTruthsAreAnError) {
   fs::copy(folder_.path() / "livingRoom9.gt.freiburg", folder_.path() / "livingRoom8.gt.freiburg");
-  EXPECT_THAT(error_of([&] { open_dataset("icl", folder_.path()); }), HasSubstr("more than one"));
+  const Dataset dataset = open_dataset("icl", folder_.path());
+  EXPECT_THAT(error_of([&] { dataset.groundtruth(); }), HasSubstr("more than one"));
 }
 
 }  // namespace
