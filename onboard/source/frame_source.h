@@ -32,7 +32,7 @@ class FrameSource {
 
   /// Frames and skipped frames in all; -1 where nobody knows beforehand.
   virtual int64_t frame_count() const = 0;
-  /// Of every frame; sound (Calibration::problem).
+  /// Of every frame; sound (Calibration::problem). A bare source that has lost it throws kt::Error.
   virtual const Calibration& calibration() const = 0;
 };
 

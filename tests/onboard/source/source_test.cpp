@@ -207,6 +207,81 @@ TEST(OpenSource, ReplaysTheRawFramesOfALog) {
   EXPECT_EQ(source->next().kind, Kind::kEnd);
 }
 
+TEST(OpenSource, ALogWithoutItsSessionTakesAGivenCalibration) {
+  const ScratchDir folder;
+  write_log(folder / "lost.lcm", {compress(small_frame(1))}, false);
+  const auto source = open_source("lcm-log:" + (folder / "lost.lcm").string(), small_calibration());
+  EXPECT_EQ(source->next().kind, Kind::kFrame);
+}
+
+TEST(OpenSource, ALogOfANewerFormatIsRefused) {
+  const ScratchDir folder;
+  SessionHeader session;
+  session.format_version = SessionHeader::kFormatVersion + 1;
+  EventLogWriter writer(folder / "new.lcm");
+  writer.write(channel_of<SessionHeader>(), 1, encode(session, 0));
+  writer.write(channel_of<CompressedFrame>(), 1, encode(compress(small_frame(1)), 0));
+  writer.close();
+  EXPECT_THAT(error_of([&] { open_source("lcm-log:" + (folder / "new.lcm").string()); }),
+              AllOf(HasSubstr("new.lcm"), HasSubstr("use a newer Kintsugi")));
+}
+
+/// Where the raw frames of a log begin, and where it ends.
+std::vector<size_t> frame_starts(const std::vector<uint8_t>& log) {
+  EventLogReader reader(log, "log");
+  std::vector<size_t> starts;
+  for (size_t start = 0; const auto event = reader.next(); start = static_cast<size_t>(reader.position())) {
+    if (event->channel == channel_of<CompressedFrame>()) starts.push_back(start);
+  }
+  starts.push_back(log.size());
+  return starts;
+}
+
+TEST(OpenSource, EveryLostRawFrameOfALogIsSkippedWithAReason) {
+  const ScratchDir folder;
+  std::vector<CompressedFrame> frames;
+  for (int64_t i = 0; i < 6; ++i) {
+    frames.push_back(compress(small_frame(1000 + i)));
+    frames.back().sequence = i;
+  }
+  write_log(folder / "raw.lcm", frames);
+  const std::vector<uint8_t> intact = read_bytes(folder / "raw.lcm");
+  const std::vector<size_t> starts = frame_starts(intact);
+  const auto expect_losses = [&](const std::vector<uint8_t>& log, int lost, const char* reason) {
+    SCOPED_TRACE(reason);
+    write_bytes(folder / "b.lcm", log);
+    const auto source = open_source("lcm-log:" + (folder / "b.lcm").string());
+    int read = 0, skipped = 0;
+    for (SourceItem item = source->next(); item.kind != Kind::kEnd; item = source->next()) {
+      ++(item.kind == Kind::kFrame ? read : skipped);
+      if (item.kind == Kind::kFrame) continue;
+      EXPECT_THAT(item.reason, AllOf(HasSubstr("b.lcm"), HasSubstr(reason)));
+    }
+    EXPECT_EQ(skipped, lost);
+    EXPECT_EQ(read, 6 - lost);
+  };
+  expect_losses(intact, 0, "nothing");
+  for (const size_t i : {size_t{0}, size_t{2}, size_t{4}}) {
+    std::vector<uint8_t> damaged = intact;
+    damaged[starts[i] + 100] ^= 1;  // a message
+    expect_losses(damaged, 1, ("before number " + std::to_string(i + 1)).c_str());
+    damaged[starts[i]] ^= 1;  // and the head of its event
+    expect_losses(damaged, 1, ("before number " + std::to_string(i + 1)).c_str());
+  }
+  std::vector<uint8_t> hole = intact;
+  hole.erase(hole.begin() + static_cast<std::ptrdiff_t>(starts[1]),
+             hole.begin() + static_cast<std::ptrdiff_t>(starts[4]));
+  expect_losses(hole, 3, "before number 4");
+  std::vector<uint8_t> last = intact;
+  last[starts[5] + 100] ^= 1;
+  expect_losses(last, 1, "its end is damaged");
+  last[starts[5]] ^= 1;
+  expect_losses(last, 1, "its end is damaged");
+  last = intact;
+  last.pop_back();
+  expect_losses(last, 1, "its end is damaged or cut off");
+}
+
 TEST(OpenSource, LogsWithoutRawFramesOrSessionAreNamed) {
   const ScratchDir folder;
   write_log(folder.path() / "poses.lcm", {});
@@ -214,7 +289,7 @@ TEST(OpenSource, LogsWithoutRawFramesOrSessionAreNamed) {
               AllOf(HasSubstr("poses.lcm"), HasSubstr("--record-raw")));
   write_log(folder.path() / "lost.lcm", {compress(small_frame(1))}, false);
   EXPECT_THAT(error_of([&] { open_source("lcm-log:" + (folder.path() / "lost.lcm").string()); }),
-              AllOf(HasSubstr("lost.lcm"), HasSubstr("session")));
+              AllOf(HasSubstr("lost.lcm"), HasSubstr("session"), HasSubstr("--calibration")));
 }
 
 }  // namespace
