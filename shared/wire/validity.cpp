@@ -60,7 +60,7 @@ DecodeStatus validity(const SessionHeader& session) {
   const bool sane = session.format_version >= 1 && is_stamp(session.timestamp_us) &&
                     is_text(session.calibration.name) && is_text(session.program_version) &&
                     is_text(session.configuration_yaml);
-  return sane && session.calibration.problem().empty() ? kOk : kOutOfRange;
+  return sane && session.calibration.range_problem().empty() ? kOk : kOutOfRange;
 }
 
 DecodeStatus validity(const StampedPose& pose) {
