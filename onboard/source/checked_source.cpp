@@ -18,7 +18,7 @@ std::string size_problem(const char* what, const Image<T>& image, const Camera& 
     return std::to_string(width) + " x " + std::to_string(height);
   };
   return std::string(what) + " image of " + text(image.width(), image.height()) + " pixels, calibrated for " +
-         text(camera.width, camera.height);
+         text(camera.width, camera.height) + "; name the right calibration with --calibration";
 }
 
 }  // namespace

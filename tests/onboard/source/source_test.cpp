@@ -160,7 +160,7 @@ TEST(OpenSource, WithoutTheRightCalibrationEveryFrameIsSkipped) {
   write_file(folder.path() / "depth.txt", "1 depth/1.png\n");
   write_file(folder.path() / "rgb.txt", "");
   EXPECT_THAT(open_source("tum:" + folder.path().string())->next().reason,
-              HasSubstr("calibrated for 640 x 480"));
+              AllOf(HasSubstr("calibrated for 640 x 480"), HasSubstr("--calibration")));
 }
 
 TEST(OpenSource, RendersAMission) {
