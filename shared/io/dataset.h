@@ -19,7 +19,7 @@ class Dataset {
  public:
   struct Entry {
     int64_t timestamp_us = 0, colour_timestamp_us = 0;
-    std::filesystem::path depth, colour;  ///< `colour` is empty where the frame has none
+    std::filesystem::path depth, colour;  ///< empty where the frame has none; without depth it cannot load
   };
 
   Dataset(std::vector<Entry> entries, std::function<Trajectory()> read_groundtruth, Calibration calibration)
@@ -52,12 +52,12 @@ class Dataset {
 Dataset open_dataset(const std::string& format, const std::filesystem::path& folder);
 std::vector<std::string> dataset_formats();
 
-/// TUM RGB-D: depth.txt drives, rgb.txt is paired to it within 20 ms, groundtruth.txt may be missing. A depth
-/// image without a partner keeps an empty colour image.
+/// TUM RGB-D: depth.txt drives, rgb.txt is paired to it within 20 ms; rgb.txt and groundtruth.txt may be
+/// missing. A depth image without a partner keeps an empty colour image.
 Dataset open_tum(const std::filesystem::path& folder);
 
 /// ICL-NUIM: depth/N.png, rgb/N.png or .jpg, *.gt.freiburg; 30 Hz. Images are as stored, poses are those of
-/// an ordinary camera in a mirrored world: see icl_nuim.cpp.
+/// an ordinary camera in the world mirrored at y = 0: see icl_nuim.cpp.
 Dataset open_icl_nuim(const std::filesystem::path& folder);
 /// The poses of an ICL-NUIM *.gt.freiburg file in the convention of open_icl_nuim.
 Trajectory read_icl_groundtruth(const std::filesystem::path& path);

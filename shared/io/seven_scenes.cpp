@@ -37,14 +37,9 @@ Trajectory read_poses(const std::filesystem::path& folder) {
 }  // namespace
 
 Dataset open_seven_scenes(const std::filesystem::path& folder) {
-  const auto colour = numbered_files(folder, "frame-", {".color.png", ".color.jpg"});
-  std::vector<Dataset::Entry> entries;
-  for (const auto& [number, depth] : numbered_files(folder, "frame-", ".depth.png")) {
-    const int64_t stamp_us = stamp_at_30_hz_us(number);
-    const auto partner = colour.find(number);
-    entries.push_back(
-        {stamp_us, stamp_us, depth, partner == colour.end() ? std::filesystem::path() : partner->second});
-  }
+  std::vector<Dataset::Entry> entries =
+      numbered_entries(numbered_files(folder, "frame-", ".depth.png"),
+                       numbered_files(folder, "frame-", {".color.png", ".color.jpg"}));
   return Dataset(
       std::move(entries), [folder] { return read_poses(folder); }, folder_calibration(folder, "7scenes"));
 }

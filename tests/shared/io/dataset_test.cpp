@@ -70,7 +70,9 @@ TEST(TumDataset, CameraFollowsTheFolderName) {
   EXPECT_EQ(camera_of("rgbd_dataset_freiburg1_desk"), "tum-fr1");
   EXPECT_EQ(camera_of("fr2_xyz"), "tum-fr2");
   EXPECT_EQ(camera_of("rgbd_dataset_freiburg3_long_office_household"), "tum-fr3");
-  EXPECT_EQ(camera_of("my_room"), "tum");
+  EXPECT_EQ(camera_of("FR1-360"), "tum-fr1");
+  for (const char* name : {"my_room", "fr10_office", "xfr1_desk", "freiburg12", "fr4", "fr1desk"})
+    EXPECT_EQ(camera_of(name), "tum") << name;
 
   Calibration own = builtin_calibration("tum-fr3");
   own.name = "mine";
@@ -95,8 +97,17 @@ TEST(TumDataset, BadListsAreNamed) {
   make_tum_folder(folder.path());
   write_file(folder.path() / "rgb.txt", "10.0 rgb/1.png\n10.1\n");
   EXPECT_THAT(error_of([&] { open_dataset("tum", folder.path()); }), HasSubstr("rgb.txt, line 2"));
-  fs::remove(folder.path() / "rgb.txt");
-  EXPECT_THAT(error_of([&] { open_dataset("tum", folder.path()); }), HasSubstr("rgb.txt: cannot be read"));
+  fs::remove(folder.path() / "depth.txt");
+  EXPECT_THAT(error_of([&] { open_dataset("tum", folder.path()); }), HasSubstr("depth.txt: cannot be read"));
+}
+
+TEST(TumDataset, WithoutAColourListThereIsNoColour) {
+  const ScratchDir folder;
+  make_tum_folder(folder.path());
+  fs::remove(folder / "rgb.txt");
+  const Dataset dataset = open_dataset("tum", folder.path());
+  ASSERT_EQ(dataset.frame_count(), 3);
+  EXPECT_TRUE(dataset.load(0).colour.empty());
 }
 
 TEST(Dataset, UnknownFormatsAndEmptyFoldersAreErrors) {
@@ -130,6 +141,22 @@ TEST(SevenScenesDataset, ReadsImagesAndPosesByNumber) {
   const StampedPose last = dataset.groundtruth()[1];
   EXPECT_EQ(last.timestamp_us, dataset.timestamp_us(2));
   EXPECT_LT((last.T_odom_camera * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0.5, 1, 10)).norm(), 1e-12);
+}
+
+TEST(SevenScenesDataset, AMissingDepthImageIsAnErrorOfItsFrameAndMissingColourIsNone) {
+  const ScratchDir folder;
+  for (const std::string number : {"1", "2", "3"})
+    write_images(folder / ("frame-" + number + ".depth.png"), folder / ("frame-" + number + ".color.png"), 1);
+  fs::remove(folder / "frame-2.depth.png");
+  fs::remove(folder / "frame-3.color.png");
+  const Dataset dataset = open_dataset("7scenes", folder.path());
+  ASSERT_EQ(dataset.frame_count(), 3);
+  EXPECT_NO_THROW(dataset.load(0));
+  EXPECT_THAT(error_of([&] { dataset.load(1); }), HasSubstr("frame-2.color.png: its depth image is missing"));
+  EXPECT_TRUE(dataset.load(2).colour.empty());
+  fs::remove(folder / "frame-1.depth.png");
+  fs::remove(folder / "frame-3.depth.png");
+  EXPECT_THAT(error_of([&] { open_dataset("7scenes", folder.path()); }), HasSubstr("holds no frames"));
 }
 
 TEST(SevenScenesDataset, BadPosesAreNamed) {

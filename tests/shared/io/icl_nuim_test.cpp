@@ -134,6 +134,14 @@ TEST_F(IclNuimTest, ImagesWithoutAPoseOrColourAreKept) {
   EXPECT_EQ(dataset.groundtruth().front().timestamp_us, dataset.timestamp_us(1));
 }
 
+TEST_F(IclNuimTest, AMissingDepthImageIsAnErrorOfItsFrame) {
+  fs::remove(folder_.path() / "depth/1.png");
+  const Dataset dataset = open_dataset("icl", folder_.path());
+  ASSERT_EQ(dataset.frame_count(), 2);
+  EXPECT_THAT(error_of([&] { dataset.load(0); }), HasSubstr("1.png: its depth image is missing"));
+  EXPECT_NO_THROW(dataset.load(1));
+}
+
 TEST_F(IclNuimTest, TwoGroundTruthsAreAnError) {
   fs::copy(folder_.path() / "livingRoom9.gt.freiburg", folder_.path() / "livingRoom8.gt.freiburg");
   const Dataset dataset = open_dataset("icl", folder_.path());
