@@ -2,8 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/publish/log_sink.h"
 
+#include <atomic>
+#include <chrono>
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <limits>
+#include <sys/stat.h>
+#include <thread>
+#include <unistd.h>
 
 #include "shared/core/check.h"
 #include "shared/wire/message_reader.h"
@@ -99,6 +105,44 @@ TEST(LogSink, FullDiskStopsTheCallerAndClose) {
   EXPECT_THROW(sink.on_pose(sample_stamped_pose(0)), Error);
   EXPECT_THROW(sink.close(), Error);
   EXPECT_THROW(sink.close(), Error);
+}
+
+TEST(LogSink, AStuckDiskMakesTheCallerWait) {
+  const ScratchDir folder;
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  constexpr int kMessages = 200;
+  std::atomic<int> taken = 0;
+  std::thread caller([&] {
+    LogSink sink(pipe);
+    Keyframe keyframe = sample_keyframe();
+    keyframe.thumbnail_jpeg.resize(size_t{1} << 20);  // more than a pipe holds
+    for (int i = 0; i < kMessages; ++i) {
+      sink.on_keyframe(keyframe);
+      ++taken;
+    }
+    sink.close();
+  });
+  // Nobody reads: the caller comes to a halt when the queue is full.
+  const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds(100)); };
+  wait();
+  for (int before = -1; before != taken;) {
+    before = taken;
+    wait();
+  }
+  EXPECT_GT(taken, 0);
+  EXPECT_LT(taken, kMessages / 2);
+  // Once somebody does, all arrives.
+  ASSERT_EQ(::fcntl(reader, F_SETFL, 0), 0);
+  std::vector<char> block(1 << 20);
+  int64_t received = 0;
+  for (ssize_t count; (count = ::read(reader, block.data(), block.size())) > 0;) received += count;
+  ::close(reader);
+  caller.join();
+  EXPECT_EQ(taken, kMessages);
+  EXPECT_GT(received, int64_t{kMessages} << 20);
 }
 
 TEST(LogSink, ErrorOfTheLastMessageSurfacesAtClose) {
