@@ -82,8 +82,8 @@ TEST(CheckedSource, SkipsBadFramesWithAReasonAndGoesOn) {
     EXPECT_EQ(item.kind, Kind::kSkipped);
     EXPECT_THAT(item.reason, HasSubstr(reason));
   };
+  expect_skipped("7.png: is truncated");  // told first: the frame before it waits for the next
   expect_frame(0, 1);
-  expect_skipped("7.png: is truncated");
   expect_skipped("not after the last frame's");
   expect_skipped("not after the last frame's");
   expect_skipped("depth image of 32 x 48 pixels, calibrated for 64 x 48");
@@ -93,6 +93,44 @@ TEST(CheckedSource, SkipsBadFramesWithAReasonAndGoesOn) {
   expect_frame(2, 8);
   EXPECT_EQ(source.next().kind, Kind::kEnd);
   EXPECT_EQ(source.next().kind, Kind::kEnd);
+}
+
+/// What becomes of frames with these stamps (s): those that pass, and how many are skipped.
+std::pair<std::vector<int64_t>, int> pass_stamps(const std::vector<int64_t>& stamps_s) {
+  std::vector<std::optional<RgbdFrame>> frames;
+  for (const int64_t stamp_s : stamps_s) frames.push_back(small_frame(stamp_s * 1'000'000));
+  CheckedSource source(std::make_unique<PreparedSource>(frames));
+  std::pair<std::vector<int64_t>, int> result;
+  for (SourceItem item = source.next(); item.kind != Kind::kEnd; item = source.next()) {
+    if (item.kind == Kind::kSkipped) {
+      ++result.second;
+      EXPECT_THAT(item.reason, HasSubstr("stamp"));
+    } else {
+      EXPECT_EQ(item.frame.sequence, static_cast<int64_t>(result.first.size()));
+      result.first.push_back(item.frame.timestamp_us / 1'000'000);
+    }
+  }
+  EXPECT_EQ(source.next().kind, Kind::kEnd);
+  return result;
+}
+
+TEST(CheckedSource, AWrongStampCostsOneFrame) {
+  using Passed = std::pair<std::vector<int64_t>, int>;
+  EXPECT_EQ(pass_stamps({100, 101, 9000, 102, 103}), (Passed{{100, 101, 102, 103}, 1}));  // ahead
+  EXPECT_EQ(pass_stamps({9000, 100, 101, 102}), (Passed{{100, 101, 102}, 1}));            // the first
+  EXPECT_EQ(pass_stamps({100, 101, 3, 102, 103}), (Passed{{100, 101, 102, 103}, 1}));     // behind
+  EXPECT_EQ(pass_stamps({0, 100, 101, 102}), (Passed{{0, 100, 101, 102}, 0}));  // a first one at zero
+  EXPECT_EQ(pass_stamps({100, 101, 9000, 500, 102, 103}), (Passed{{100, 101, 102, 103}, 2}));
+  EXPECT_EQ(pass_stamps({100, 101, 9000, 3, 9001}), (Passed{{100, 101, 9000, 9001}, 1}));
+  EXPECT_EQ(pass_stamps({100, 101, 9000}), (Passed{{100, 101}, 1}));  // nobody confirms the last
+}
+
+TEST(CheckedSource, ARealPauseCostsNoFrame) {
+  using Passed = std::pair<std::vector<int64_t>, int>;
+  EXPECT_EQ(pass_stamps({100, 101, 9000, 9001, 9002}), (Passed{{100, 101, 9000, 9001, 9002}, 0}));
+  EXPECT_EQ(pass_stamps({100, 200, 300, 301}), (Passed{{100, 200, 300, 301}, 0}));
+  EXPECT_EQ(pass_stamps({100}), (Passed{{100}, 0}));
+  EXPECT_EQ(pass_stamps({}), (Passed{{}, 0}));
 }
 
 TEST(CheckedSource, RefusesAnAbsurdCalibration) {
@@ -134,8 +172,8 @@ TEST(OpenSource, ReadsADataset) {
 
   const auto source = open_source("tum:" + folder.path().string(), small_calibration());
   EXPECT_EQ(source->calibration().depth.width, 64);
+  EXPECT_THAT(source->next().reason, HasSubstr("2.png"));  // told before the first frame, which waits
   EXPECT_EQ(source->next().frame.timestamp_us, 100'000);
-  EXPECT_THAT(source->next().reason, HasSubstr("2.png"));
   const SourceItem last = source->next();
   EXPECT_EQ(last.kind, Kind::kFrame);
   EXPECT_EQ(last.frame.sequence, 1);
@@ -197,10 +235,10 @@ TEST(OpenSource, ReplaysTheRawFramesOfALog) {
   EXPECT_EQ(source->calibration().depth, small_calibration().depth);
   EXPECT_EQ(source->calibration().invalid_depth, 65535);
   EXPECT_EQ(source->frame_count(), -1);
+  EXPECT_EQ(source->next().kind, Kind::kSkipped);
   const SourceItem first = source->next();
   EXPECT_EQ(first.frame.timestamp_us, 1000);
   EXPECT_EQ(first.frame.depth, small_frame(0).depth);
-  EXPECT_EQ(source->next().kind, Kind::kSkipped);
   const SourceItem last = source->next();
   EXPECT_EQ(last.kind, Kind::kFrame);
   EXPECT_EQ(last.frame.sequence, 1);
