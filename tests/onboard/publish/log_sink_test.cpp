@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "shared/core/check.h"
+#include "shared/wire/codec.h"
 #include "shared/wire/message_reader.h"
 #include "tests/shared/wire/sample_messages.h"
 
@@ -69,6 +70,39 @@ TEST(LogSink, StoresEverythingInCallOrder) {
   expect_next(sample_loop());
   EXPECT_FALSE(reader.next());
   EXPECT_TRUE(reader.integrity().is_sound());
+}
+
+TEST(LogSink, ALargeSliceIsLoggedInParts) {
+  const ScratchDir folder;
+  LogSink sink(folder / "a.lcm", {.max_slice_triangles = 2});
+  sink.on_session(sample_session());
+  sink.on_slice(sample_slice());  // three triangles
+  sink.close();
+  MessageReader reader(folder / "a.lcm");
+  size_t triangles = 0, slices = 0;
+  while (const auto message = reader.next()) {
+    const auto* slice = std::get_if<CloudSlice>(&*message);
+    if (slice == nullptr) continue;
+    triangles += slice->triangles.size();
+    EXPECT_EQ(slice->is_final, ++slices == 2);
+  }
+  EXPECT_EQ(slices, 2u);
+  EXPECT_EQ(triangles, 3u);
+  EXPECT_TRUE(reader.integrity().is_sound());
+}
+
+TEST(LogSink, TheDefaultLimitKeepsEveryMessageInBounds) {
+  const auto triangles = static_cast<int64_t>(LogSink::Options{}.max_slice_triangles);
+  EXPECT_LT(200 + triangles * (3 * 43 + 12), kMaxMessageBytes);  // bytes per vertex and triangle: lcmtypes/
+}
+
+TEST(LogSink, ASliceBeyondTheReachOfItsKeysIsAnError) {
+  const ScratchDir folder;
+  LogSink sink(folder / "a.lcm");
+  CloudSlice slice = sample_slice();
+  slice.T_odom_camera.translation().x() = -5200;  // voxels of 1 cm
+  sink.on_slice(slice);
+  EXPECT_THROW(sink.close(), Error);
 }
 
 TEST(LogSink, SameCallsGiveSameBytes) {
