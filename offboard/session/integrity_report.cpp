@@ -14,6 +14,10 @@ std::string integrity_text(const LogIntegrity& integrity) {
   add(integrity.skipped_bytes, " bytes skipped");
   add(integrity.missing_messages, " messages missing");
   if (integrity.truncated) text += ", truncated";
+  if (integrity.session_missing) text += ", no session event";
+  if (integrity.final_slice_missing) {
+    text += ", no final slice: the mission did not end properly, the surface still in the volume is missing";
+  }
   if (integrity.is_sound()) text += ", no damage";
   return text;
 }
@@ -25,7 +29,9 @@ nlohmann::ordered_json integrity_json(const LogIntegrity& integrity) {
           {"damaged_events", integrity.damaged_events},
           {"skipped_bytes", integrity.skipped_bytes},
           {"missing_messages", integrity.missing_messages},
-          {"truncated", integrity.truncated}};
+          {"truncated", integrity.truncated},
+          {"session_missing", integrity.session_missing},
+          {"final_slice_missing", integrity.final_slice_missing}};
 }
 
 }  // namespace kt

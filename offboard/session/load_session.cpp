@@ -27,6 +27,15 @@ struct Gatherer {
     session.header = std::move(header);
     has_header = true;
   }
+  // The map needs nothing of the header, so its loss costs no map.
+  void make_up_header(const LogIntegrity& integrity) {
+    if (session.trajectory.empty() && session.slices.empty()) {
+      throw Error(path.string() + " holds no session event, no poses and no slices, so it is no mission (" +
+                  integrity_text(integrity) + ")");
+    }
+    session.header.program_version = session.header.calibration.name = "unknown";
+    if (!session.trajectory.empty()) session.header.timestamp_us = session.trajectory.front().timestamp_us;
+  }
   void operator()(StampedPose&& pose) {
     if (session.trajectory.empty() || session.trajectory.back().sequence < pose.sequence) {
       session.trajectory.push_back(std::move(pose));
@@ -60,11 +69,7 @@ Session load_session(const std::filesystem::path& path, const Progress& progress
   integrity = reader.integrity();
   integrity.events -= gatherer.stray_poses;
   integrity.damaged_events += gatherer.stray_poses;
-  if (!gatherer.has_header) {
-    throw Error(path.string() +
-                " holds no session event, so it is no Kintsugi log or has lost its beginning (" +
-                integrity_text(integrity) + "): record it again");
-  }
+  if (!gatherer.has_header) gatherer.make_up_header(integrity);
   return std::move(gatherer.session);
 }
 

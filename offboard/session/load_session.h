@@ -13,8 +13,9 @@ namespace kt {
 using Progress = std::function<void(double share)>;
 
 /// Loads everything of a mission but its raw frames. Damage is skipped and counted in Session::integrity, as
-/// are poses that repeat or precede an earlier one. Throws kt::Error where the log cannot be read, holds no
-/// session or several, was written by a newer format, or mixes voxel sizes.
+/// are poses that repeat or precede an earlier one; a mission without its session event is loaded with a
+/// header that says "unknown". Throws kt::Error where the log cannot be read, holds several sessions or
+/// nothing of a mission, was written by a newer format, or mixes voxel sizes.
 Session load_session(const std::filesystem::path& path, const Progress& progress = {});
 
 }  // namespace kt

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "shared/core/check.h"
 #include "shared/wire/codec.h"
 
 namespace kt {
@@ -12,10 +13,24 @@ namespace {
 // A few frames with everything that belongs to them: enough to ride out a slow write, little memory.
 constexpr size_t kQueueCapacity = 32;
 
+// Behind the reach of EdgeKey two places would share a key, and their surfaces weld. The margin is more than
+// any volume's half.
+void check_reach(const CloudSlice& slice) {
+  const double reach_m = (EdgeKey::kLimit - (1 << 15)) * slice.voxel_size_m;
+  if (slice.T_odom_camera.translation().cwiseAbs().maxCoeff() <= reach_m) return;
+  throw Error(
+      "the camera is more than " + std::to_string(static_cast<int64_t>(reach_m)) +
+      " m away from where the mission began, further than voxels of this size can be named: take larger "
+      "voxels (volume.voxel_size_m), or begin a new mission");
+}
+
 }  // namespace
 
 LogSink::LogSink(const std::filesystem::path& path, const Options& options)
-    : writer_(path, options.overwrite), compression_(options.frames), thread_([this] { run(); }) {}
+    : writer_(path, options.overwrite),
+      compression_(options.frames),
+      max_slice_triangles_(options.max_slice_triangles),
+      thread_([this] { run(); }) {}
 
 LogSink::~LogSink() { stop(); }
 
@@ -75,6 +90,13 @@ void LogSink::store(const Item& item) {
       [&]<typename T>(const T& message) {
         if constexpr (std::is_same_v<T, RgbdFrame>) {
           write(compress(message, compression_));
+        } else if constexpr (std::is_same_v<T, CloudSlice>) {
+          check_reach(message);
+          if (message.triangles.size() <= max_slice_triangles_ &&
+              message.vertices.size() <= 3 * max_slice_triangles_) {
+            return write(message);
+          }
+          for (const CloudSlice& part : split_slice(message, max_slice_triangles_)) write(part);
         } else {
           write(message);
         }

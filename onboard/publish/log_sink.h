@@ -26,6 +26,9 @@ class LogSink final : public MessageSink {
   struct Options {
     bool overwrite = false;     ///< replace an existing log
     FrameCompression frames{};  ///< of raw frames
+    /// A slice of more triangles, or three times as many vertices, is logged in parts: no message may be
+    /// larger than kMaxMessageBytes.
+    size_t max_slice_triangles = 7'000'000;
   };
 
   /// Creates the log. Throws kt::Error as EventLogWriter does.
@@ -54,6 +57,7 @@ class LogSink final : public MessageSink {
 
   EventLogWriter writer_;
   FrameCompression compression_;
+  size_t max_slice_triangles_;
   std::array<int64_t, kChannels.size()> next_sequence_{};  ///< used by the thread alone
 
   std::mutex mutex_;

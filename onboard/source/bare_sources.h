@@ -17,8 +17,9 @@ std::unique_ptr<FrameSource> open_dataset_source(const std::string& format,
 /// A rendered mission; `name` as SyntheticMission takes it.
 std::unique_ptr<FrameSource> open_synthetic_source(const std::string& name);
 
-/// The raw frames of a log; its session gives the calibration. Throws kt::Error where the log holds no
-/// session or no raw frames.
+/// The raw frames of a log; every one that was damaged or is missing is a skipped frame. Its session gives
+/// the calibration: where that is lost, calibration() throws kt::Error. Throws kt::Error where the log holds
+/// no raw frames or is of a newer format.
 std::unique_ptr<FrameSource> open_log_source(const std::filesystem::path& path);
 
 }  // namespace kt

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 
@@ -12,6 +13,11 @@ namespace kt {
 /// Wraps a bare source. Skipped are frames that cannot be read, whose stamp is not after that of the frame
 /// before, whose images differ in size from the calibration, or whose depth has no valid pixel. Frames that
 /// pass are numbered from 0 without gaps.
+///
+/// The first frame, and one that comes more than 10 s after the frame before, waits for the next: where that
+/// one's stamp lies more than 10 s before it, the waiting frame is skipped. So one wrong stamp costs one
+/// frame, not all that follow; a real pause costs none but where the recording ends with it. What is skipped
+/// meanwhile is told before the waiting frame.
 class CheckedSource final : public FrameSource {
  public:
   /// `calibration`, where given, replaces the source's own. Throws kt::Error where the one used makes no
@@ -22,15 +28,22 @@ class CheckedSource final : public FrameSource {
   SourceItem next() override;
   int64_t frame_count() const override { return source_->frame_count(); }
   const Calibration& calibration() const override { return calibration_; }
-  const Trajectory& groundtruth() const override { return source_->groundtruth(); }
 
  private:
-  std::string problem_of(const RgbdFrame& frame) const;
+  /// The source's next item with its images checked.
+  SourceItem read();
+  std::string image_problem(const RgbdFrame& frame) const;
+  void judge_stamp(RgbdFrame frame);
+  /// Decides on the frame that waits at the end.
+  void release_last();
+  void accept(RgbdFrame frame);
 
   std::unique_ptr<FrameSource> source_;
   Calibration calibration_;
   int64_t delivered_ = 0;
-  std::optional<int64_t> last_us_;
+  std::optional<int64_t> last_us_;  ///< stamp of the last frame that passed
+  std::optional<RgbdFrame> held_;   ///< waits for the next frame to confirm its stamp
+  std::deque<SourceItem> ready_;    ///< judged but not yet handed out: three at most
 };
 
 }  // namespace kt

@@ -17,7 +17,6 @@ class DatasetSource final : public FrameSource {
   }
   int64_t frame_count() const override { return dataset_.frame_count(); }
   const Calibration& calibration() const override { return dataset_.default_calibration(); }
-  const Trajectory& groundtruth() const override { return dataset_.groundtruth(); }
 
  private:
   Dataset dataset_;

@@ -10,7 +10,6 @@
 
 #include "shared/types/calibration.h"
 #include "shared/types/rgbd_frame.h"
-#include "shared/types/stamped_pose.h"
 
 namespace kt {
 
@@ -33,10 +32,8 @@ class FrameSource {
 
   /// Frames and skipped frames in all; -1 where nobody knows beforehand.
   virtual int64_t frame_count() const = 0;
-  /// Of every frame; sound (Calibration::problem).
+  /// Of every frame; sound (Calibration::problem). A bare source that has lost it throws kt::Error.
   virtual const Calibration& calibration() const = 0;
-  /// T_world_camera of the depth camera where the source knows it, at stamps of its own; else empty.
-  virtual const Trajectory& groundtruth() const = 0;
 };
 
 /// Opens `tum:DIR`, `icl:DIR`, `7scenes:DIR`, `synthetic:NAME` or `lcm-log:FILE`; `calibration`, where given,

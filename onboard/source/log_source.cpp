@@ -1,6 +1,8 @@
 // Frames recorded earlier: the raw-frame messages of a log.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 #include <variant>
 
@@ -12,48 +14,78 @@
 namespace kt {
 namespace {
 
+constexpr int64_t kMaxGap = 100'000;  // an hour of frames: a longer gap is some other recording's numbering
+
 class LogSource final : public FrameSource {
  public:
-  explicit LogSource(const std::filesystem::path& path) : reader_(path) {
+  explicit LogSource(const std::filesystem::path& path) : name_(path.string()), reader_(path) {
     reader_.skip<StampedPose>();
     reader_.skip<CloudSlice>();
     reader_.skip<Keyframe>();
     reader_.skip<LoopClosure>();
     reader_.skip<MissionStatus>();
-    bool has_session = false;
-    while (!pending_) {
-      std::optional<Message> message = reader_.next();
-      if (!message)
-        throw Error(path.string() + ": holds no raw frames; record them with kintsugi-collect --record-raw");
-      if (auto* session = std::get_if<SessionHeader>(&*message)) {
-        calibration_ = session->calibration;
-        has_session = true;
-      } else if (auto* frame = std::get_if<CompressedFrame>(&*message)) {
-        pending_ = std::move(*frame);
-      }
+    if (!read_frame()) {
+      throw Error(name_ + (frames().damaged > 0
+                               ? ": all of its raw frames are damaged"
+                               : ": holds no raw frames; record them with kintsugi-collect --record-raw"));
     }
-    if (!has_session)
-      throw Error(path.string() + ": its session message is lost, and with it the calibration");
   }
 
   SourceItem next() override {
-    while (!pending_) {
-      std::optional<Message> message = reader_.next();
-      if (!message) return {};
-      if (auto* frame = std::get_if<CompressedFrame>(&*message)) pending_ = std::move(*frame);
+    if (!frame_ && !at_end_) read_frame();
+    if (lost_ > 0) {
+      --lost_;
+      return {SourceItem::Kind::kSkipped, {}, reason_};
     }
-    const CompressedFrame frame = *std::exchange(pending_, std::nullopt);
+    if (!frame_) return {};
+    const CompressedFrame frame = *std::exchange(frame_, std::nullopt);
     return {SourceItem::Kind::kFrame, decompress(frame), {}};
   }
   int64_t frame_count() const override { return -1; }
-  const Calibration& calibration() const override { return calibration_; }
-  const Trajectory& groundtruth() const override { return groundtruth_; }
+  const Calibration& calibration() const override {
+    if (!calibration_) {
+      throw Error(name_ + ": its session event is lost, and with it the calibration: name the camera with " +
+                  "--calibration");
+    }
+    return *calibration_;
+  }
 
  private:
+  const MessageReader::ChannelCount& frames() const {
+    return reader_.channels()[message_index<CompressedFrame>()];
+  }
+
+  // Reads up to the next intact frame, and notes how many were lost on the way; false at the end.
+  bool read_frame() {
+    const int64_t missing = frames().missing, damaged = frames().damaged;
+    const LogIntegrity before = reader_.integrity();
+    while (const std::optional<Message> message = reader_.next()) {
+      if (const auto* session = std::get_if<SessionHeader>(&*message)) {
+        check_format_version(*session, name_);
+        calibration_ = session->calibration;
+      } else if (const auto* frame = std::get_if<CompressedFrame>(&*message)) {
+        frame_ = *frame;
+        // The gap in the sequence numbers holds the damaged ones too.
+        lost_ = std::min(frames().missing - missing, kMaxGap);
+        reason_ = name_ + ": a raw frame before number " + std::to_string(frame->sequence) +
+                  " is damaged or missing";
+        return true;
+      }
+    }
+    at_end_ = true;
+    const LogIntegrity after = reader_.integrity();
+    lost_ = frames().damaged - damaged + (after.truncated || after.skipped_bytes > before.skipped_bytes);
+    reason_ = name_ + ": its end is damaged or cut off, perhaps in a raw frame";
+    return false;
+  }
+
+  std::string name_;
   MessageReader reader_;
-  std::optional<CompressedFrame> pending_;  ///< read but not yet handed out
-  Calibration calibration_;
-  Trajectory groundtruth_;  ///< empty: a log has none
+  std::optional<CompressedFrame> frame_;  ///< read but not yet handed out
+  int64_t lost_ = 0;                      ///< frames before it, or before the end, still to be reported
+  std::string reason_;                    ///< of those
+  bool at_end_ = false;
+  std::optional<Calibration> calibration_;
 };
 
 }  // namespace

@@ -16,7 +16,6 @@ class SyntheticSource final : public FrameSource {
   }
   int64_t frame_count() const override { return mission_.frame_count(); }
   const Calibration& calibration() const override { return mission_.calibration(); }
-  const Trajectory& groundtruth() const override { return mission_.groundtruth(); }
 
  private:
   SyntheticMission mission_;

@@ -27,10 +27,18 @@ struct Camera {
   /// The camera as kernels take it.
   DistortedPinholeParams distorted_pinhole() const;
 
-  /// Empty where the intrinsics make sense, else what is wrong with them ("fx is -480, must be positive").
+  /// Empty where the intrinsics make sense, else what is wrong with them ("fx is -480, must lie in [57.6,
+  /// 7680]"): each number for itself, and the distortion over the whole image.
   std::string problem() const;
+  /// The first part of it: numbers out of range.
+  std::string range_problem() const;
 
   friend bool operator==(const Camera&, const Camera&) = default;
+
+ private:
+  /// Whether distortion turns the image over around (x, y) = (X / Z, Y / Z): it must keep directions from the
+  /// centre (radial factor above 0) and orientation (its Jacobian's determinant above 0).
+  bool folds_at(double x, double y) const;
 };
 
 }  // namespace kt

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <set>
 #include <yaml-cpp/yaml.h>
 
 #include "shared/core/check.h"
@@ -20,8 +21,11 @@ class Section {
           std::initializer_list<const char*> known)
       : node_(node), file_(std::move(file)), path_(std::move(path)) {
     if (!node_.IsMap()) fail("", "must be a mapping");
+    std::set<std::string> seen;
     for (const auto& entry : node_) {
+      if (!entry.first.IsScalar()) fail("", "has a key that is no word");
       const std::string key = entry.first.Scalar();
+      if (!seen.insert(key).second) fail(key, "is given twice");
       if (std::none_of(known.begin(), known.end(), [&](const char* name) { return key == name; })) {
         std::string names;
         for (const char* name : known) names += names.empty() ? name : std::string(", ") + name;
@@ -44,8 +48,12 @@ class Section {
   }
   double number(const char* key) const { return get<double>(key, "a number"); }
   std::vector<double> numbers(const char* key, size_t count, const char* what) const {
-    const auto values = get<std::vector<double>>(key, what);
-    if (values.size() != count) fail(key, std::string("must be ") + what);
+    const YAML::Node node = at(key);
+    if (!node.IsSequence() || node.size() != count) fail(key, std::string("must be ") + what);
+    std::vector<double> values(count);
+    for (size_t i = 0; i < count; ++i) {
+      if (!YAML::convert<double>::decode(node[i], values[i])) fail(key, std::string("must be ") + what);
+    }
     return values;
   }
   [[noreturn]] void fail(const std::string& key, const std::string& what) const {

@@ -19,6 +19,7 @@ constexpr Format kFormats[] = {{"tum", open_tum}, {"icl", open_icl_nuim}, {"7sce
 
 RgbdFrame Dataset::load(int64_t i) const {
   const Entry& source = entry(i);
+  if (source.depth.empty()) throw Error(source.colour.string() + ": its depth image is missing");
   RgbdFrame frame;
   frame.sequence = i;
   frame.timestamp_us = source.timestamp_us;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,17 +14,17 @@
 namespace kt {
 
 /// What a folder holds: which images make a frame, and the poses that came with them. Opening reads lists
-/// only; images are read when asked for.
+/// only; images and poses are read when asked for.
 class Dataset {
  public:
   struct Entry {
     int64_t timestamp_us = 0, colour_timestamp_us = 0;
-    std::filesystem::path depth, colour;  ///< `colour` is empty where the frame has none
+    std::filesystem::path depth, colour;  ///< empty where the frame has none; without depth it cannot load
   };
 
-  Dataset(std::vector<Entry> entries, Trajectory groundtruth, Calibration calibration)
+  Dataset(std::vector<Entry> entries, std::function<Trajectory()> read_groundtruth, Calibration calibration)
       : entries_(std::move(entries)),
-        groundtruth_(std::move(groundtruth)),
+        read_groundtruth_(std::move(read_groundtruth)),
         calibration_(std::move(calibration)) {}
 
   int64_t frame_count() const { return static_cast<int64_t>(entries_.size()); }
@@ -32,9 +33,9 @@ class Dataset {
   /// Frame `i`, its images as stored; throws kt::Error where one is missing or damaged.
   RgbdFrame load(int64_t i) const;
 
-  /// T_world_camera of the depth camera at the recording's own stamps, not one per frame; empty where there
-  /// is none.
-  const Trajectory& groundtruth() const { return groundtruth_; }
+  /// Reads T_world_camera of the depth camera at the recording's own stamps, not one per frame; empty where
+  /// there is none. Throws kt::Error where what is there cannot be read.
+  Trajectory groundtruth() const { return read_groundtruth_(); }
   /// calibration.yaml of the folder where there is one, else the built-in one that fits.
   const Calibration& default_calibration() const { return calibration_; }
 
@@ -42,7 +43,7 @@ class Dataset {
   const Entry& entry(int64_t i) const;
 
   std::vector<Entry> entries_;
-  Trajectory groundtruth_;
+  std::function<Trajectory()> read_groundtruth_;
   Calibration calibration_;
 };
 
@@ -51,12 +52,12 @@ class Dataset {
 Dataset open_dataset(const std::string& format, const std::filesystem::path& folder);
 std::vector<std::string> dataset_formats();
 
-/// TUM RGB-D: depth.txt drives, rgb.txt is paired to it within 20 ms, groundtruth.txt may be missing. A depth
-/// image without a partner keeps an empty colour image.
+/// TUM RGB-D: depth.txt drives, rgb.txt is paired to it within 20 ms; rgb.txt and groundtruth.txt may be
+/// missing. A depth image without a partner keeps an empty colour image.
 Dataset open_tum(const std::filesystem::path& folder);
 
 /// ICL-NUIM: depth/N.png, rgb/N.png or .jpg, *.gt.freiburg; 30 Hz. Images are as stored, poses are those of
-/// an ordinary camera in a mirrored world: see icl_nuim.cpp.
+/// an ordinary camera in the world mirrored at y = 0: see icl_nuim.cpp.
 Dataset open_icl_nuim(const std::filesystem::path& folder);
 /// The poses of an ICL-NUIM *.gt.freiburg file in the convention of open_icl_nuim.
 Trajectory read_icl_groundtruth(const std::filesystem::path& path);

@@ -36,6 +36,19 @@ std::map<int64_t, std::filesystem::path> numbered_files(const std::filesystem::p
   return {};
 }
 
+std::vector<Dataset::Entry> numbered_entries(const std::map<int64_t, std::filesystem::path>& depth,
+                                             const std::map<int64_t, std::filesystem::path>& colour) {
+  std::map<int64_t, Dataset::Entry> by_number;
+  for (const auto& [number, path] : depth) by_number[number].depth = path;
+  for (const auto& [number, path] : colour) by_number[number].colour = path;
+  std::vector<Dataset::Entry> entries;
+  for (auto& [number, entry] : by_number) {
+    entry.timestamp_us = entry.colour_timestamp_us = stamp_at_30_hz_us(number);
+    if (!depth.empty()) entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
 Calibration folder_calibration(const std::filesystem::path& folder, std::string_view name) {
   const std::filesystem::path own = folder / "calibration.yaml";
   return std::filesystem::exists(own) ? read_calibration(own) : builtin_calibration(name);

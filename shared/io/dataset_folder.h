@@ -7,7 +7,9 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "shared/io/dataset.h"
 #include "shared/types/calibration.h"
 
 namespace kt {
@@ -23,6 +25,11 @@ std::map<int64_t, std::filesystem::path> numbered_files(const std::filesystem::p
 
 /// Time of frame `index` at 30 Hz, for recordings that keep no stamps.
 constexpr int64_t stamp_at_30_hz_us(int64_t index) { return (index * 1'000'000 + 15) / 30; }
+
+/// One entry per number that either list has, stamped at 30 Hz, so that a missing depth image is a frame that
+/// cannot be loaded; none where there is no depth at all.
+std::vector<Dataset::Entry> numbered_entries(const std::map<int64_t, std::filesystem::path>& depth,
+                                             const std::map<int64_t, std::filesystem::path>& colour);
 
 /// calibration.yaml of `folder` where there is one, else the built-in calibration `name`.
 Calibration folder_calibration(const std::filesystem::path& folder, std::string_view name);

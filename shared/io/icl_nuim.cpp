@@ -52,17 +52,13 @@ Trajectory read_icl_groundtruth(const std::filesystem::path& path) {
 }
 
 Dataset open_icl_nuim(const std::filesystem::path& folder) {
-  const auto colour = numbered_files(folder / "rgb", "", {".png", ".jpg"});
-  std::vector<Dataset::Entry> entries;
-  for (const auto& [number, depth] : numbered_files(folder / "depth", "", ".png")) {
-    const auto partner = colour.find(number);
-    const int64_t stamp_us = stamp_at_30_hz_us(number);
-    entries.push_back(
-        {stamp_us, stamp_us, depth, partner == colour.end() ? std::filesystem::path() : partner->second});
-  }
-  const std::filesystem::path poses = find_groundtruth(folder);
-  return Dataset(std::move(entries), poses.empty() ? Trajectory{} : read_icl_groundtruth(poses),
-                 folder_calibration(folder, "icl-nuim"));
+  std::vector<Dataset::Entry> entries = numbered_entries(
+      numbered_files(folder / "depth", "", ".png"), numbered_files(folder / "rgb", "", {".png", ".jpg"}));
+  const auto read_groundtruth = [folder] {
+    const std::filesystem::path poses = find_groundtruth(folder);
+    return poses.empty() ? Trajectory{} : read_icl_groundtruth(poses);
+  };
+  return Dataset(std::move(entries), read_groundtruth, folder_calibration(folder, "icl-nuim"));
 }
 
 }  // namespace kt

@@ -24,25 +24,24 @@ Pose read_pose_matrix(const std::filesystem::path& path) {
   return orthonormalised(T);
 }
 
+Trajectory read_poses(const std::filesystem::path& folder) {
+  Trajectory trajectory;
+  for (const auto& [number, path] : numbered_files(folder, "frame-", ".pose.txt")) {
+    trajectory.push_back({.sequence = static_cast<int64_t>(trajectory.size()),
+                          .timestamp_us = stamp_at_30_hz_us(number),
+                          .T_odom_camera = read_pose_matrix(path)});
+  }
+  return trajectory;
+}
+
 }  // namespace
 
 Dataset open_seven_scenes(const std::filesystem::path& folder) {
-  const auto colour = numbered_files(folder, "frame-", {".color.png", ".color.jpg"});
-  const auto poses = numbered_files(folder, "frame-", ".pose.txt");
-  std::vector<Dataset::Entry> entries;
-  Trajectory groundtruth;
-  for (const auto& [number, depth] : numbered_files(folder, "frame-", ".depth.png")) {
-    const int64_t stamp_us = stamp_at_30_hz_us(number);
-    const auto partner = colour.find(number);
-    entries.push_back(
-        {stamp_us, stamp_us, depth, partner == colour.end() ? std::filesystem::path() : partner->second});
-    if (const auto pose = poses.find(number); pose != poses.end()) {
-      groundtruth.push_back({.sequence = static_cast<int64_t>(groundtruth.size()),
-                             .timestamp_us = stamp_us,
-                             .T_odom_camera = read_pose_matrix(pose->second)});
-    }
-  }
-  return Dataset(std::move(entries), std::move(groundtruth), folder_calibration(folder, "7scenes"));
+  std::vector<Dataset::Entry> entries =
+      numbered_entries(numbered_files(folder, "frame-", ".depth.png"),
+                       numbered_files(folder, "frame-", {".color.png", ".color.jpg"}));
+  return Dataset(
+      std::move(entries), [folder] { return read_poses(folder); }, folder_calibration(folder, "7scenes"));
 }
 
 }  // namespace kt

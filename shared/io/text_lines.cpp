@@ -7,12 +7,13 @@
 #include <system_error>
 
 #include "shared/core/check.h"
+#include "shared/types/timestamp.h"
 
 namespace kt {
 namespace {
 
 constexpr int64_t kMicroseconds = 1'000'000;
-constexpr int64_t kMaxSeconds = 9'000'000'000'000;
+constexpr int64_t kMaxSeconds = kMaxTimestamp_us / kMicroseconds;
 
 template <typename T>
 std::optional<T> parse_whole(std::string_view text) {
@@ -57,6 +58,7 @@ std::optional<int64_t> parse_stamp_us(std::string_view text) {
   }
   if (rest.empty() && digits > 0) {
     const int64_t stamp_us = seconds * kMicroseconds + fraction_us;
+    if (stamp_us > kMaxTimestamp_us) return std::nullopt;
     return negative ? -stamp_us : stamp_us;
   }
   // Scientific notation, as numerical packages write it.
@@ -119,7 +121,10 @@ int64_t TextLines::integer(size_t i) const {
 
 int64_t TextLines::stamp_us(size_t i) const {
   const std::optional<int64_t> value = parse_stamp_us(field(i));
-  if (!value) fail("'" + std::string(fields_[i]) + "' is not a time in seconds");
+  if (!value) {
+    fail("'" + std::string(fields_[i]) + "' is not a time in seconds" +
+         (parse_number(fields_[i]) ? " (milliseconds?)" : ""));
+  }
   return *value;
 }
 

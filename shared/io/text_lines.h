@@ -11,7 +11,7 @@
 namespace kt {
 
 /// Time in microseconds of a decimal number of seconds ("1305031102.160407"), exact to the sixth decimal;
-/// nothing where the text is no number or beyond +-9e12 s.
+/// nothing where the text is no number or beyond kMaxTimestamp_us.
 std::optional<int64_t> parse_stamp_us(std::string_view text);
 /// The inverse: seconds with six decimals.
 std::string format_stamp_us(int64_t stamp_us);

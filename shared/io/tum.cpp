@@ -1,5 +1,7 @@
 // TUM RGB-D benchmark folders: rgb.txt, depth.txt, groundtruth.txt.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <regex>
+
 #include "shared/io/dataset.h"
 #include "shared/io/dataset_folder.h"
 #include "shared/io/file.h"
@@ -27,21 +29,21 @@ ImageList read_image_list(const std::filesystem::path& path) {
   return list;
 }
 
-/// The recordings are named rgbd_dataset_freiburg1_desk and the like, or fr1_desk for short.
-const char* camera_of(const std::filesystem::path& folder) {
+/// The recordings are named rgbd_dataset_freiburg1_desk and the like, or fr1_desk for short. The number must
+/// stand free: fr10_office is somebody else's.
+std::string camera_of(const std::filesystem::path& folder) {
   const std::string name = std::filesystem::weakly_canonical(folder).filename().string();
-  const auto has = [&](const char* text) { return name.find(text) != std::string::npos; };
-  if (has("freiburg1") || has("fr1")) return "tum-fr1";
-  if (has("freiburg2") || has("fr2")) return "tum-fr2";
-  if (has("freiburg3") || has("fr3")) return "tum-fr3";
-  return "tum";
+  static const std::regex pattern("(^|[^a-z0-9])(freiburg|fr)([123])($|[^a-z0-9])", std::regex::icase);
+  std::smatch match;
+  return std::regex_search(name, match, pattern) ? "tum-fr" + match.str(3) : "tum";
 }
 
 }  // namespace
 
 Dataset open_tum(const std::filesystem::path& folder) {
   const ImageList depth = read_image_list(folder / "depth.txt");
-  const ImageList colour = read_image_list(folder / "rgb.txt");
+  const std::filesystem::path colour_list = folder / "rgb.txt";
+  const ImageList colour = std::filesystem::exists(colour_list) ? read_image_list(colour_list) : ImageList{};
 
   std::vector<Dataset::Entry> entries(depth.files.size());
   for (size_t i = 0; i < entries.size(); ++i) {
@@ -52,9 +54,10 @@ Dataset open_tum(const std::filesystem::path& folder) {
     entries[pair.first].colour = colour.files[pair.second];
   }
 
-  const std::filesystem::path poses = folder / "groundtruth.txt";
-  return Dataset(std::move(entries), std::filesystem::exists(poses) ? read_trajectory(poses) : Trajectory{},
-                 folder_calibration(folder, camera_of(folder)));
+  const auto read_groundtruth = [poses = folder / "groundtruth.txt"] {
+    return std::filesystem::exists(poses) ? read_trajectory(poses) : Trajectory{};
+  };
+  return Dataset(std::move(entries), read_groundtruth, folder_calibration(folder, camera_of(folder)));
 }
 
 }  // namespace kt

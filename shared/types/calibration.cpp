@@ -13,6 +13,12 @@ bool Calibration::is_registered() const {
 std::string Calibration::problem() const {
   if (const std::string text = depth.problem(); !text.empty()) return "depth camera: " + text;
   if (const std::string text = colour.problem(); !text.empty()) return "colour camera: " + text;
+  return range_problem();
+}
+
+std::string Calibration::range_problem() const {
+  if (const std::string text = depth.range_problem(); !text.empty()) return "depth camera: " + text;
+  if (const std::string text = colour.range_problem(); !text.empty()) return "colour camera: " + text;
   if (!is_valid_pose(T_colour_depth)) return "T_colour_depth is not a rigid transform";
   if (T_colour_depth.translation().norm() > 1) return "the cameras stand more than 1 m apart";
   if (!(depth_unit_m >= 1e-6 && depth_unit_m <= 0.1)) return "depth_unit_m must lie in [1e-6, 0.1]";

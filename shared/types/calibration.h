@@ -22,6 +22,8 @@ struct Calibration {
 
   /// Empty where the calibration makes sense, else the first thing wrong with it.
   std::string problem() const;
+  /// The part of it that asks only whether each number is in its range: what a log may hold.
+  std::string range_problem() const;
 };
 
 }  // namespace kt

@@ -12,14 +12,19 @@
 namespace kt {
 
 struct CloudSlice {
-  int64_t sequence = 0;                   ///< counts the slices of a log, from 0
+  int64_t sequence = 0;                   ///< counts the slices of a log, from 0; parts of one share it
   int64_t timestamp_us = 0;               ///< of the frame at which it left the volume
   Pose T_odom_camera = Pose::Identity();  ///< camera pose at that frame
   double voxel_size_m = 0;
-  bool is_final = false;              ///< the flush of the whole volume at the end of a mission
+  bool is_final = false;  ///< the flush of the whole volume at the end of a mission, or its last part
   std::vector<SliceVertex> vertices;  ///< sorted by key, each key once
   std::vector<std::array<uint32_t, 3>>
       triangles;  ///< indices into `vertices`, counter-clockwise seen from outside
 };
+
+/// `slice` in parts of at most `max_triangles` triangles and three times as many vertices, which weld to the
+/// same surface: vertices of triangles in several parts stand in each. Only the last part is final. Vertices
+/// that no triangle uses are left out; a slice without triangles gives one part without vertices.
+std::vector<CloudSlice> split_slice(const CloudSlice& slice, size_t max_triangles);
 
 }  // namespace kt

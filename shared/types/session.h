@@ -33,13 +33,19 @@ struct LogIntegrity {
   int64_t skipped_bytes = 0;     ///< between events, while looking for the next sync word
   int64_t missing_messages = 0;  ///< gaps in the sequence numbers of the channels
   bool truncated = false;        ///< the file ends inside an event
+  bool session_missing = false;  ///< messages of ours, but no session event
+  /// Poses, but no slice that is final: the mission was cut short, and what its volume held is lost.
+  bool final_slice_missing = false;
+
+  /// Whether nothing is missing or damaged.
   bool is_sound() const {
-    return damaged_events == 0 && skipped_bytes == 0 && missing_messages == 0 && !truncated;
+    return damaged_events == 0 && skipped_bytes == 0 && missing_messages == 0 && !truncated &&
+           !session_missing && !final_slice_missing;
   }
 };
 
 struct Session {
-  SessionHeader header;
+  SessionHeader header;            ///< its texts say "unknown" where the session event is missing
   Trajectory trajectory;           ///< one pose per processed frame, in order
   std::vector<CloudSlice> slices;  ///< in order
   std::vector<Keyframe> keyframes;

@@ -20,8 +20,9 @@ namespace kt {
 /// Writes a log that lcm-logplayer and every other LCM tool can read.
 class EventLogWriter {
  public:
-  /// Creates `path`. Throws kt::Error where that fails, and where a file stands there already unless
-  /// `overwrite`.
+  /// Creates `path`. Throws kt::Error where that fails, where a file stands there already unless `overwrite`,
+  /// and where a reader or another writer has that file open. A file that is to be overwritten stays whole
+  /// until the first event is written; one that was created and got no event is removed again.
   explicit EventLogWriter(std::filesystem::path path, bool overwrite = false);
   ~EventLogWriter();
   EventLogWriter(const EventLogWriter&) = delete;
@@ -31,7 +32,8 @@ class EventLogWriter {
   /// disk is full or gone: the file then ends behind the last whole event, and so does every later call.
   void write(std::string_view channel, int64_t timestamp_us, std::span<const uint8_t> data);
 
-  /// Throws kt::Error where the system reports a late write error. The destructor closes without a word.
+  /// Returns once the log is on the disk itself; throws kt::Error where that fails. The destructor closes
+  /// without a word and without waiting for the disk.
   void close();
 
   int64_t event_count() const { return event_count_; }
@@ -39,9 +41,11 @@ class EventLogWriter {
 
  private:
   [[noreturn]] void fail(int error_number);
+  void remove_if_unused() const;
 
   std::filesystem::path path_;
   int file_ = -1;
+  bool is_new_ = false;  ///< created by this writer, not overwritten
   int64_t event_count_ = 0, byte_count_ = 0;
   std::string failure_;  ///< why no more events are taken; empty while all is well
 };
@@ -54,7 +58,7 @@ struct LogEvent {
 };
 
 /// Reads a log front to back. Where the bytes make no sense it looks for the next event that does, and
-/// counts. Memory: the largest event.
+/// counts. Memory: the largest event. While it lives no EventLogWriter may overwrite the file.
 class EventLogReader {
  public:
   /// Throws kt::Error where `path` cannot be read or holds no LCM event at all; an empty file is a log

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <sys/file.h>
 #include <sys/types.h>
 #include <system_error>
 
@@ -36,6 +37,8 @@ EventLogReader::EventLogReader(const std::filesystem::path& path) {
   if (file == nullptr || error) {
     throw Error("cannot read the log " + path.string() + ": " + (error ? error.message() : reason(errno)));
   }
+  // A log that is still being written may be read; the lock only keeps writers from overwriting it meanwhile.
+  [[maybe_unused]] const int ignored = ::flock(::fileno(file), LOCK_SH | LOCK_NB);
   open(file, static_cast<int64_t>(size), path.string());
 }
 

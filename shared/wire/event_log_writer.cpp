@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/uio.h>
 #include <system_error>
 #include <unistd.h>
@@ -44,28 +45,39 @@ bool write_all(int file, std::span<iovec> parts) {
 
 EventLogWriter::EventLogWriter(std::filesystem::path path, bool overwrite) : path_(std::move(path)) {
   constexpr int kFlags = O_WRONLY | O_CREAT | O_CLOEXEC;
+  std::error_code ignored;
   file_ = ::open(path_.c_str(), kFlags | O_EXCL, 0666);
+  is_new_ = file_ >= 0;
   if (file_ < 0 && errno == EEXIST) {
-    std::error_code ignored;
     if (!overwrite && std::filesystem::is_regular_file(path_, ignored)) {
-      throw Error(path_.string() + " exists: name another log file, or ask for it to be overwritten");
+      throw Error(path_.string() + " exists: name another log file, or pass --overwrite");
     }
-    file_ = ::open(path_.c_str(), kFlags | O_TRUNC, 0666);
+    file_ = ::open(path_.c_str(), kFlags, 0666);
   }
   if (file_ < 0) {
     throw Error("cannot create the log " + path_.string() + ": " + reason(errno) +
                 "; its folder must exist and be writable");
   }
+  // A device may be shared. Where the file system knows no locks, the log is written without one.
+  if (std::filesystem::is_regular_file(path_, ignored) && ::flock(file_, LOCK_EX | LOCK_NB) != 0 &&
+      errno == EWOULDBLOCK) {
+    ::close(file_);
+    throw Error("the log " + path_.string() +
+                " is being read or written by another program, or is the input itself: name another file");
+  }
 }
 
 EventLogWriter::~EventLogWriter() {
-  if (file_ >= 0) ::close(file_);
+  if (file_ < 0) return;
+  remove_if_unused();
+  ::close(file_);
 }
 
 void EventLogWriter::write(std::string_view channel, int64_t timestamp_us, std::span<const uint8_t> data) {
   KT_CHECK(file_ >= 0, "the log is closed");
   KT_CHECK(!channel.empty() && channel.size() <= kMaxChannelBytes && data.size() <= kMaxMessageBytes);
   if (!failure_.empty()) throw Error(failure_);
+  if (event_count_ == 0 && !is_new_ && ::ftruncate(file_, 0) != 0 && errno != EINVAL) fail(errno);
 
   uint8_t header[kEventHeaderBytes];
   store_int32(static_cast<int32_t>(kSyncWord), header);
@@ -90,11 +102,19 @@ void EventLogWriter::fail(int error_number) {
   throw Error(failure_);
 }
 
+void EventLogWriter::remove_if_unused() const {
+  if (is_new_ && event_count_ == 0) ::unlink(path_.c_str());
+}
+
 void EventLogWriter::close() {
   if (file_ < 0) return;
+  remove_if_unused();
   const int file = std::exchange(file_, -1);
-  if (::close(file) != 0 && errno != EINTR) {
-    throw Error("cannot finish the log " + path_.string() + ": " + reason(errno) +
+  int error = ::fdatasync(file) == 0 ? 0 : errno;
+  if (error == EINVAL || error == EROFS) error = 0;  // a device or a pipe, which has nothing to sync
+  if (::close(file) != 0 && errno != EINTR && error == 0) error = errno;
+  if (error != 0) {
+    throw Error("cannot finish the log " + path_.string() + ": " + reason(error) +
                 "; its last events may be lost");
   }
 }

@@ -52,6 +52,7 @@ std::optional<Message> MessageReader::next() {
                             ? has_valid_checksum(event->data)
                             : decode_channel(channel, event->data, message) == DecodeStatus::kOk;
     if (!intact) {
+      ++channels_[channel].damaged;
       events_.reject();
       continue;
     }
@@ -66,7 +67,9 @@ std::optional<Message> MessageReader::next() {
       count.missing += std::min(stamp.sequence - expected, INT64_MAX - count.missing);
     }
     expected = stamp.sequence == INT64_MAX ? INT64_MAX : stamp.sequence + 1;
-    if (!skipped_[channel]) return message;
+    if (skipped_[channel]) continue;
+    if (const auto* slice = std::get_if<CloudSlice>(&message)) final_slice_seen_ |= slice->is_final;
+    return message;
   }
   return {};
 }
@@ -74,9 +77,14 @@ std::optional<Message> MessageReader::next() {
 LogIntegrity MessageReader::integrity() const {
   LogIntegrity integrity = events_.integrity();
   integrity.unknown_events = unknown_events_;
+  int64_t messages = 0;
   for (const ChannelCount& count : channels_) {
     integrity.missing_messages += std::min(count.missing, INT64_MAX - integrity.missing_messages);
+    messages += count.messages;
   }
+  integrity.session_missing = messages > 0 && channels_[message_index<SessionHeader>()].messages == 0;
+  integrity.final_slice_missing = channels_[message_index<StampedPose>()].messages > 0 &&
+                                  !final_slice_seen_ && !skipped_[message_index<CloudSlice>()];
   return integrity;
 }
 

@@ -27,12 +27,13 @@ class MessageReader {
   /// The next intact message, or nothing at the end. Damaged and unknown events are counted and passed over.
   std::optional<Message> next();
 
-  /// Events, damage and gaps so far.
+  /// Events, damage and gaps so far. Whether the final slice is missing is not told where slices are skipped.
   LogIntegrity integrity() const;
 
   /// What one channel holds so far.
   struct ChannelCount {
     int64_t messages = 0, bytes = 0;    ///< intact ones, skipped types included
+    int64_t damaged = 0;                ///< events that were no message of the channel's type
     int64_t missing = 0;                ///< gaps in the sequence numbers
     int64_t first_us = 0, last_us = 0;  ///< stamps of the first and last message
   };
@@ -46,6 +47,7 @@ class MessageReader {
  private:
   EventLogReader events_;
   int64_t unknown_events_ = 0;
+  bool final_slice_seen_ = false;
   std::array<bool, kChannels.size()> skipped_{};
   std::array<int64_t, kChannels.size()> next_sequence_{};
   std::array<ChannelCount, kChannels.size()> channels_{};

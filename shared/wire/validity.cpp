@@ -6,6 +6,8 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "shared/types/timestamp.h"
+
 namespace kt {
 namespace {
 
@@ -17,7 +19,7 @@ using enum DecodeStatus;
 
 bool in_range(int64_t value, int64_t low, int64_t high) { return low <= value && value <= high; }
 bool is_count(int64_t value) { return in_range(value, 0, kMaxCount); }
-bool is_stamp(int64_t timestamp_us) { return in_range(timestamp_us, -kMaxCount, kMaxCount); }
+bool is_stamp(int64_t timestamp_us) { return in_range(timestamp_us, -kMaxTimestamp_us, kMaxTimestamp_us); }
 bool is_text(const std::string& text) { return text.find('\0') == std::string::npos; }
 
 bool is_finite(Vec3f p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
@@ -58,7 +60,7 @@ DecodeStatus validity(const SessionHeader& session) {
   const bool sane = session.format_version >= 1 && is_stamp(session.timestamp_us) &&
                     is_text(session.calibration.name) && is_text(session.program_version) &&
                     is_text(session.configuration_yaml);
-  return sane && session.calibration.problem().empty() ? kOk : kOutOfRange;
+  return sane && session.calibration.range_problem().empty() ? kOk : kOutOfRange;
 }
 
 DecodeStatus validity(const StampedPose& pose) {

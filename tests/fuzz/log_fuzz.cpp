@@ -1,4 +1,4 @@
-// libFuzzer target: any bytes as a log, and any bytes as each message with its checksum made right.
+// libFuzzer target: any bytes as a log, as they are and with checksums made right, and as each message.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstddef>
 #include <cstdint>
@@ -10,8 +10,8 @@
 #include "shared/core/check.h"
 #include "shared/wire/codec.h"
 #include "shared/wire/frame_codec.h"
-#include "shared/wire/message_layout.h"
 #include "shared/wire/message_reader.h"
+#include "tests/fuzz/repair.h"
 
 namespace {
 
@@ -28,20 +28,28 @@ void decode_as_each_type(std::span<const uint8_t> bytes) {
   }
 }
 
+void try_to_decompress(const kt::CompressedFrame& frame) {
+  try {
+    kt::decompress(frame);
+  } catch (const kt::Error&) {
+    // a damaged image: costs its frame
+  }
+}
+
 void read_log(std::span<const uint8_t> bytes) {
   try {
     kt::MessageReader reader(kt::EventLogReader(bytes, "fuzz"));
     int64_t messages = 0;
     while (const auto message = reader.next()) {
       ++messages;
-      if (const auto* frame = std::get_if<kt::CompressedFrame>(&*message)) kt::decompress(*frame);
+      if (const auto* frame = std::get_if<kt::CompressedFrame>(&*message)) try_to_decompress(*frame);
     }
     const kt::LogIntegrity integrity = reader.integrity();
     if (integrity.events != messages + integrity.unknown_events) std::abort();
     if (integrity.skipped_bytes < 0 || integrity.skipped_bytes > static_cast<int64_t>(bytes.size()))
       std::abort();
   } catch (const kt::Error&) {
-    // no log at all, or a damaged image: what a user may see
+    // no log at all
   }
 }
 
@@ -49,9 +57,11 @@ void read_log(std::span<const uint8_t> bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   read_log({data, size});
-  // The fuzzer cannot guess a checksum, so it gets one for free.
+  std::vector<uint8_t> log(data, data + size);
+  kt::repair_log(log);
+  read_log(log);
   std::vector<uint8_t> message(data, data + size);
-  if (message.size() >= kt::kHeaderEnd) kt::store_checksum(message);
+  kt::repair_message(message, /*is_raw_frame=*/false);
   decode_as_each_type(message);
   return 0;
 }

@@ -10,6 +10,7 @@
 #include "offboard/session/integrity_report.h"
 #include "onboard/source/frame_source.h"
 #include "shared/core/check.h"
+#include "shared/core/version.h"
 #include "shared/io/calibration_file.h"
 #include "shared/io/file.h"
 #include "shared/io/image_header.h"
@@ -55,7 +56,7 @@ std::string source_to_log(const std::string& from, const std::filesystem::path& 
       log.emplace(to, options.overwrite);
       SessionHeader session;
       session.timestamp_us = item.frame.timestamp_us;
-      session.program_version = KT_VERSION " (kintsugi-log)";
+      session.program_version = kProgramVersion;
       session.calibration = source->calibration();
       log->write(channel_of<SessionHeader>(), session.timestamp_us, encode(session, 0));
     }

@@ -55,6 +55,15 @@ std::pair<int, int> open_and_crowded_edges(const Mesh& mesh) {
   return {open, crowded};
 }
 
+TEST(Weld, PartsOfASliceBecomeTheSlice) {
+  const CloudSlice whole = height_field(-4, 12, 9);
+  for (const size_t max_triangles : {1u, 7u, 100u, 1000u}) {
+    const std::vector<CloudSlice> parts = split_slice(whole, max_triangles);
+    EXPECT_EQ(parts.size(), (whole.triangles.size() + max_triangles - 1) / max_triangles);
+    EXPECT_TRUE(same(weld(parts), weld({{whole}}))) << max_triangles;
+  }
+}
+
 TEST(Weld, SlicesOfOneSurfaceBecomeTheWholeSurface) {
   const std::vector<CloudSlice> parts = {height_field(-4, 3, 9), height_field(3, 5, 9),
                                          height_field(5, 12, 9)};

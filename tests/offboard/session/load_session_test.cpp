@@ -73,6 +73,34 @@ TEST(LoadSession, DamageIsCountedAndTheRestLoaded) {
   EXPECT_EQ(integrity_text(session.integrity), "6 events, truncated");
 }
 
+TEST(LoadSession, ALostSessionEventCostsNoMap) {
+  const ScratchDir folder;
+  write_log(folder / "a.lcm", sample_messages());
+  auto bytes = read_bytes(folder / "a.lcm");
+  bytes[200] ^= 1;  // inside the first event
+  write_bytes(folder / "b.lcm", bytes);
+  const Session session = load_session(folder / "b.lcm");
+  ASSERT_EQ(session.trajectory.size(), 1u);
+  EXPECT_EQ(session.slices.size(), 1u);
+  EXPECT_EQ(session.header.program_version, "unknown");
+  EXPECT_EQ(session.header.calibration.name, "unknown");
+  EXPECT_EQ(session.header.timestamp_us, sample_stamped_pose().timestamp_us);
+  EXPECT_FALSE(session.integrity.is_sound());
+  EXPECT_EQ(integrity_text(session.integrity), "6 events, 1 damaged, no session event");
+}
+
+TEST(LoadSession, AMissionThatWasCutShortIsNotSound) {
+  const ScratchDir folder;
+  CloudSlice slice = sample_slice();
+  slice.is_final = false;
+  write_log(folder / "a.lcm", {sample_session(), sample_stamped_pose(), slice});
+  const Session session = load_session(folder / "a.lcm");
+  EXPECT_FALSE(session.integrity.is_sound());
+  EXPECT_NE(integrity_text(session.integrity).find("the mission did not end properly"), std::string::npos);
+  EXPECT_EQ(integrity_json(session.integrity)["final_slice_missing"], true);
+  EXPECT_EQ(integrity_json(session.integrity)["sound"], false);
+}
+
 TEST(LoadSession, PosesThatDoNotAdvanceCountAsDamage) {
   const ScratchDir folder;
   write_log(folder / "a.lcm", {sample_session(), sample_stamped_pose(3), sample_stamped_pose(3),
@@ -87,7 +115,7 @@ TEST(LoadSession, PosesThatDoNotAdvanceCountAsDamage) {
 TEST(LoadSession, RefusesWhatIsNoMission) {
   const ScratchDir folder;
   EXPECT_NE(error_of(folder / "none.lcm").find("does not exist"), std::string::npos);
-  write_log(folder / "headless.lcm", {sample_stamped_pose(), sample_slice()});
+  write_log(folder / "headless.lcm", {sample_status(), sample_frame()});
   EXPECT_NE(error_of(folder / "headless.lcm").find("headless.lcm holds no session event"), std::string::npos);
   write_log(folder / "two.lcm", {sample_session(), sample_stamped_pose(), sample_session()});
   EXPECT_NE(error_of(folder / "two.lcm").find("several sessions"), std::string::npos);
@@ -108,9 +136,11 @@ TEST(LoadSession, RefusesANewerFormat) {
 }
 
 TEST(IntegrityReport, NamesEveryKindOfDamage) {
-  const LogIntegrity integrity{10, 1, 2, 3, 4, true};
+  const LogIntegrity integrity{10, 1, 2, 3, 4, true, true, true};
   EXPECT_EQ(integrity_text(integrity),
-            "10 events, 1 on other channels, 2 damaged, 3 bytes skipped, 4 messages missing, truncated");
+            "10 events, 1 on other channels, 2 damaged, 3 bytes skipped, 4 messages missing, truncated, "
+            "no session event, no final slice: the mission did not end properly, "
+            "the surface still in the volume is missing");
   EXPECT_EQ(integrity_text({.events = 1}), "1 event, no damage");
   EXPECT_EQ(integrity_json(integrity)["damaged_events"], 2);
   EXPECT_EQ(integrity_json(integrity)["sound"], false);

@@ -58,7 +58,6 @@ class ListSource final : public FrameSource {
   }
   int64_t frame_count() const override { return static_cast<int64_t>(items_.size()); }
   const Calibration& calibration() const override { return calibration_; }
-  const Trajectory& groundtruth() const override { return groundtruth_; }
 
   size_t delivered() const { return delivered_; }
 
@@ -66,7 +65,6 @@ class ListSource final : public FrameSource {
   std::vector<SourceItem> items_;
   std::string failure_;
   Calibration calibration_ = small_calibration();
-  Trajectory groundtruth_;
   std::atomic<size_t> delivered_ = 0;
 };
 

@@ -13,7 +13,7 @@
 #include "shared/wire/codec.h"
 #include "shared/wire/event_log.h"
 #include "shared/wire/frame_codec.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -50,13 +50,11 @@ class PreparedSource final : public FrameSource {
   }
   int64_t frame_count() const override { return static_cast<int64_t>(frames_.size()); }
   const Calibration& calibration() const override { return calibration_; }
-  const Trajectory& groundtruth() const override { return groundtruth_; }
 
  private:
   std::vector<std::optional<RgbdFrame>> frames_;
   size_t next_ = 0;
   Calibration calibration_ = small_calibration();
-  Trajectory groundtruth_;
 };
 
 TEST(CheckedSource, SkipsBadFramesWithAReasonAndGoesOn) {
@@ -84,8 +82,8 @@ TEST(CheckedSource, SkipsBadFramesWithAReasonAndGoesOn) {
     EXPECT_EQ(item.kind, Kind::kSkipped);
     EXPECT_THAT(item.reason, HasSubstr(reason));
   };
+  expect_skipped("7.png: is truncated");  // told first: the frame before it waits for the next
   expect_frame(0, 1);
-  expect_skipped("7.png: is truncated");
   expect_skipped("not after the last frame's");
   expect_skipped("not after the last frame's");
   expect_skipped("depth image of 32 x 48 pixels, calibrated for 64 x 48");
@@ -95,6 +93,44 @@ TEST(CheckedSource, SkipsBadFramesWithAReasonAndGoesOn) {
   expect_frame(2, 8);
   EXPECT_EQ(source.next().kind, Kind::kEnd);
   EXPECT_EQ(source.next().kind, Kind::kEnd);
+}
+
+/// What becomes of frames with these stamps (s): those that pass, and how many are skipped.
+std::pair<std::vector<int64_t>, int> pass_stamps(const std::vector<int64_t>& stamps_s) {
+  std::vector<std::optional<RgbdFrame>> frames;
+  for (const int64_t stamp_s : stamps_s) frames.push_back(small_frame(stamp_s * 1'000'000));
+  CheckedSource source(std::make_unique<PreparedSource>(frames));
+  std::pair<std::vector<int64_t>, int> result;
+  for (SourceItem item = source.next(); item.kind != Kind::kEnd; item = source.next()) {
+    if (item.kind == Kind::kSkipped) {
+      ++result.second;
+      EXPECT_THAT(item.reason, HasSubstr("stamp"));
+    } else {
+      EXPECT_EQ(item.frame.sequence, static_cast<int64_t>(result.first.size()));
+      result.first.push_back(item.frame.timestamp_us / 1'000'000);
+    }
+  }
+  EXPECT_EQ(source.next().kind, Kind::kEnd);
+  return result;
+}
+
+TEST(CheckedSource, AWrongStampCostsOneFrame) {
+  using Passed = std::pair<std::vector<int64_t>, int>;
+  EXPECT_EQ(pass_stamps({100, 101, 9000, 102, 103}), (Passed{{100, 101, 102, 103}, 1}));  // ahead
+  EXPECT_EQ(pass_stamps({9000, 100, 101, 102}), (Passed{{100, 101, 102}, 1}));            // the first
+  EXPECT_EQ(pass_stamps({100, 101, 3, 102, 103}), (Passed{{100, 101, 102, 103}, 1}));     // behind
+  EXPECT_EQ(pass_stamps({0, 100, 101, 102}), (Passed{{0, 100, 101, 102}, 0}));  // a first one at zero
+  EXPECT_EQ(pass_stamps({100, 101, 9000, 500, 102, 103}), (Passed{{100, 101, 102, 103}, 2}));
+  EXPECT_EQ(pass_stamps({100, 101, 9000, 3, 9001}), (Passed{{100, 101, 9000, 9001}, 1}));
+  EXPECT_EQ(pass_stamps({100, 101, 9000}), (Passed{{100, 101}, 1}));  // nobody confirms the last
+}
+
+TEST(CheckedSource, ARealPauseCostsNoFrame) {
+  using Passed = std::pair<std::vector<int64_t>, int>;
+  EXPECT_EQ(pass_stamps({100, 101, 9000, 9001, 9002}), (Passed{{100, 101, 9000, 9001, 9002}, 0}));
+  EXPECT_EQ(pass_stamps({100, 200, 300, 301}), (Passed{{100, 200, 300, 301}, 0}));
+  EXPECT_EQ(pass_stamps({100}), (Passed{{100}, 0}));
+  EXPECT_EQ(pass_stamps({}), (Passed{{}, 0}));
 }
 
 TEST(CheckedSource, RefusesAnAbsurdCalibration) {
@@ -122,7 +158,7 @@ TEST(OpenSource, NamesTheKnownSchemes) {
 }
 
 TEST(OpenSource, ReadsADataset) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   fs::create_directory(folder.path() / "depth");
   std::string list;
   for (int i = 1; i <= 3; ++i) {
@@ -136,8 +172,8 @@ TEST(OpenSource, ReadsADataset) {
 
   const auto source = open_source("tum:" + folder.path().string(), small_calibration());
   EXPECT_EQ(source->calibration().depth.width, 64);
+  EXPECT_THAT(source->next().reason, HasSubstr("2.png"));  // told before the first frame, which waits
   EXPECT_EQ(source->next().frame.timestamp_us, 100'000);
-  EXPECT_THAT(source->next().reason, HasSubstr("2.png"));
   const SourceItem last = source->next();
   EXPECT_EQ(last.kind, Kind::kFrame);
   EXPECT_EQ(last.frame.sequence, 1);
@@ -145,14 +181,24 @@ TEST(OpenSource, ReadsADataset) {
   EXPECT_EQ(source->next().kind, Kind::kEnd);
 }
 
+TEST(OpenSource, BadGroundTruthStopsNoMission) {
+  const ScratchDir folder;
+  write_depth(folder / "1.png", small_frame(0).depth);
+  write_file(folder / "depth.txt", "1 1.png\n");
+  write_file(folder / "rgb.txt", "");
+  write_file(folder / "groundtruth.txt", "no pose at all\n");
+  const auto source = open_source("tum:" + folder.path().string(), small_calibration());
+  EXPECT_EQ(source->next().kind, Kind::kFrame);
+}
+
 TEST(OpenSource, WithoutTheRightCalibrationEveryFrameIsSkipped) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   fs::create_directory(folder.path() / "depth");
   write_depth(folder.path() / "depth/1.png", small_frame(0).depth);
   write_file(folder.path() / "depth.txt", "1 depth/1.png\n");
   write_file(folder.path() / "rgb.txt", "");
   EXPECT_THAT(open_source("tum:" + folder.path().string())->next().reason,
-              HasSubstr("calibrated for 640 x 480"));
+              AllOf(HasSubstr("calibrated for 640 x 480"), HasSubstr("--calibration")));
 }
 
 TEST(OpenSource, RendersAMission) {
@@ -161,7 +207,7 @@ TEST(OpenSource, RendersAMission) {
   const SourceItem item = source->next();
   ASSERT_EQ(item.kind, Kind::kFrame) << item.reason;
   EXPECT_EQ(item.frame.depth.width(), source->calibration().depth.width);
-  EXPECT_EQ(source->frame_count(), static_cast<int64_t>(source->groundtruth().size()));
+  EXPECT_EQ(source->frame_count(), SyntheticMission(name).frame_count());
 }
 
 /// A log with a session, and the frames in it.
@@ -179,7 +225,7 @@ void write_log(const fs::path& path, const std::vector<CompressedFrame>& frames,
 }
 
 TEST(OpenSource, ReplaysTheRawFramesOfALog) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   std::vector<CompressedFrame> frames;
   for (int64_t i = 0; i < 3; ++i) frames.push_back(compress(small_frame(1000 + i)));
   frames[1].depth_png.resize(frames[1].depth_png.size() / 2);
@@ -189,24 +235,99 @@ TEST(OpenSource, ReplaysTheRawFramesOfALog) {
   EXPECT_EQ(source->calibration().depth, small_calibration().depth);
   EXPECT_EQ(source->calibration().invalid_depth, 65535);
   EXPECT_EQ(source->frame_count(), -1);
+  EXPECT_EQ(source->next().kind, Kind::kSkipped);
   const SourceItem first = source->next();
   EXPECT_EQ(first.frame.timestamp_us, 1000);
   EXPECT_EQ(first.frame.depth, small_frame(0).depth);
-  EXPECT_EQ(source->next().kind, Kind::kSkipped);
   const SourceItem last = source->next();
   EXPECT_EQ(last.kind, Kind::kFrame);
   EXPECT_EQ(last.frame.sequence, 1);
   EXPECT_EQ(source->next().kind, Kind::kEnd);
 }
 
+TEST(OpenSource, ALogWithoutItsSessionTakesAGivenCalibration) {
+  const ScratchDir folder;
+  write_log(folder / "lost.lcm", {compress(small_frame(1))}, false);
+  const auto source = open_source("lcm-log:" + (folder / "lost.lcm").string(), small_calibration());
+  EXPECT_EQ(source->next().kind, Kind::kFrame);
+}
+
+TEST(OpenSource, ALogOfANewerFormatIsRefused) {
+  const ScratchDir folder;
+  SessionHeader session;
+  session.format_version = SessionHeader::kFormatVersion + 1;
+  EventLogWriter writer(folder / "new.lcm");
+  writer.write(channel_of<SessionHeader>(), 1, encode(session, 0));
+  writer.write(channel_of<CompressedFrame>(), 1, encode(compress(small_frame(1)), 0));
+  writer.close();
+  EXPECT_THAT(error_of([&] { open_source("lcm-log:" + (folder / "new.lcm").string()); }),
+              AllOf(HasSubstr("new.lcm"), HasSubstr("use a newer Kintsugi")));
+}
+
+/// Where the raw frames of a log begin, and where it ends.
+std::vector<size_t> frame_starts(const std::vector<uint8_t>& log) {
+  EventLogReader reader(log, "log");
+  std::vector<size_t> starts;
+  for (size_t start = 0; const auto event = reader.next(); start = static_cast<size_t>(reader.position())) {
+    if (event->channel == channel_of<CompressedFrame>()) starts.push_back(start);
+  }
+  starts.push_back(log.size());
+  return starts;
+}
+
+TEST(OpenSource, EveryLostRawFrameOfALogIsSkippedWithAReason) {
+  const ScratchDir folder;
+  std::vector<CompressedFrame> frames;
+  for (int64_t i = 0; i < 6; ++i) {
+    frames.push_back(compress(small_frame(1000 + i)));
+    frames.back().sequence = i;
+  }
+  write_log(folder / "raw.lcm", frames);
+  const std::vector<uint8_t> intact = read_bytes(folder / "raw.lcm");
+  const std::vector<size_t> starts = frame_starts(intact);
+  const auto expect_losses = [&](const std::vector<uint8_t>& log, int lost, const char* reason) {
+    SCOPED_TRACE(reason);
+    write_bytes(folder / "b.lcm", log);
+    const auto source = open_source("lcm-log:" + (folder / "b.lcm").string());
+    int read = 0, skipped = 0;
+    for (SourceItem item = source->next(); item.kind != Kind::kEnd; item = source->next()) {
+      ++(item.kind == Kind::kFrame ? read : skipped);
+      if (item.kind == Kind::kFrame) continue;
+      EXPECT_THAT(item.reason, AllOf(HasSubstr("b.lcm"), HasSubstr(reason)));
+    }
+    EXPECT_EQ(skipped, lost);
+    EXPECT_EQ(read, 6 - lost);
+  };
+  expect_losses(intact, 0, "nothing");
+  for (const size_t i : {size_t{0}, size_t{2}, size_t{4}}) {
+    std::vector<uint8_t> damaged = intact;
+    damaged[starts[i] + 100] ^= 1;  // a message
+    expect_losses(damaged, 1, ("before number " + std::to_string(i + 1)).c_str());
+    damaged[starts[i]] ^= 1;  // and the head of its event
+    expect_losses(damaged, 1, ("before number " + std::to_string(i + 1)).c_str());
+  }
+  std::vector<uint8_t> hole = intact;
+  hole.erase(hole.begin() + static_cast<std::ptrdiff_t>(starts[1]),
+             hole.begin() + static_cast<std::ptrdiff_t>(starts[4]));
+  expect_losses(hole, 3, "before number 4");
+  std::vector<uint8_t> last = intact;
+  last[starts[5] + 100] ^= 1;
+  expect_losses(last, 1, "its end is damaged");
+  last[starts[5]] ^= 1;
+  expect_losses(last, 1, "its end is damaged");
+  last = intact;
+  last.pop_back();
+  expect_losses(last, 1, "its end is damaged or cut off");
+}
+
 TEST(OpenSource, LogsWithoutRawFramesOrSessionAreNamed) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   write_log(folder.path() / "poses.lcm", {});
   EXPECT_THAT(error_of([&] { open_source("lcm-log:" + (folder.path() / "poses.lcm").string()); }),
               AllOf(HasSubstr("poses.lcm"), HasSubstr("--record-raw")));
   write_log(folder.path() / "lost.lcm", {compress(small_frame(1))}, false);
   EXPECT_THAT(error_of([&] { open_source("lcm-log:" + (folder.path() / "lost.lcm").string()); }),
-              AllOf(HasSubstr("lost.lcm"), HasSubstr("session")));
+              AllOf(HasSubstr("lost.lcm"), HasSubstr("session"), HasSubstr("--calibration")));
 }
 
 }  // namespace

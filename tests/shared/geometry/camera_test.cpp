@@ -114,5 +114,25 @@ TEST(Camera, NamesTheAbsurdField) {
   }
 }
 
+TEST(Camera, DistortionThatFoldsTheImageIsAProblem) {
+  const auto distorted = [](std::array<double, 5> distortion) {
+    return problem_after([&](Camera& c) { c.distortion = distortion; });
+  };
+  const std::array<double, 5> folding[] = {
+      {-2, 0, 0, 0, 0},     // the radial factor turns negative
+      {-0.7, 0, 0, 0, 0},   // the distorted radius falls again towards the corners
+      {0, 0, 0, 0, -5},     //
+      {0, 0, 0.5, 0, 0},    // tangential
+      {0, 0, 0, -0.5, 0}};  //
+  for (const auto& distortion : folding) {
+    EXPECT_THAT(distorted(distortion), HasSubstr("folds the image over at pixel")) << distortion[0];
+    Camera camera = kFreiburg1;
+    camera.distortion = distortion;
+    EXPECT_EQ(camera.range_problem(), "");
+  }
+  EXPECT_EQ(distorted({-0.35, 0.15, 0.001, -0.001, -0.03}), "");
+  EXPECT_EQ(distorted({0.3, 0.2, 0, 0, 0.1}), "");
+}
+
 }  // namespace
 }  // namespace kt

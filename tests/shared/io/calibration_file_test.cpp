@@ -7,7 +7,7 @@
 #include <regex>
 
 #include "shared/io/file.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -80,6 +80,17 @@ TEST(CalibrationFile, NamesFileAndKeyOfEveryFault) {
       HasSubstr("more than 1 m apart"));
   EXPECT_THAT(error("cy: 240", "cy: 240, distortion: [1, 2]"),
               HasSubstr("depth.distortion must be five numbers"));
+  EXPECT_THAT(error("cy: 240", "cy: 240, distortion: [0, 0, a, 0, 0]"),
+              HasSubstr("depth.distortion must be five numbers"));
+  EXPECT_THAT(error("cy: 240", "cy: 240, distortion: [0, 0, [1], 0, 0]"),
+              HasSubstr("depth.distortion must be five numbers"));
+  EXPECT_THAT(error("cy: 240", "cy: 240, distortion: {a: 1}"),
+              HasSubstr("depth.distortion must be five numbers"));
+  EXPECT_THAT(error("fx: 500", "fx: [500]"), HasSubstr("depth.fx must be a number"));
+  EXPECT_THAT(error("fx: 500", "fx: 500, fx: 400"), HasSubstr("depth.fx is given twice"));
+  EXPECT_THAT(error("0.001", "0.001\ndepth_unit_m: 0.002"), HasSubstr("depth_unit_m is given twice"));
+  EXPECT_THAT(error("0.001", "0.001\n[a, b]: 1"), HasSubstr("a key that is no word"));
+  EXPECT_THAT(error("0.001", "0.001\nname: [a]"), HasSubstr("name must be text"));
   EXPECT_THAT(error("cy: 240}", "cy: 240"), HasSubstr("not valid YAML"));
   EXPECT_THAT(error_of([] { calibration_from_yaml("- 1\n", "rig.yaml"); }), HasSubstr("must be a mapping"));
   EXPECT_THAT(error_of([] { calibration_from_yaml("", "rig.yaml"); }), HasSubstr("must be a mapping"));
@@ -94,7 +105,7 @@ TEST(CalibrationFile, BuiltInCamerasMakeSense) {
 }
 
 TEST(CalibrationFile, IsFoundByNameOrPath) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   write_file(folder.path() / "rig.yaml", kMinimal);
   EXPECT_EQ(find_calibration((folder.path() / "rig.yaml").string()).depth.fx, 500);
   EXPECT_EQ(find_calibration("tum-fr3").depth.fx, 535.4);

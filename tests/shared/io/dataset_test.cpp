@@ -9,7 +9,7 @@
 #include "shared/io/file.h"
 #include "shared/io/image_file.h"
 #include "shared/io/trajectory_file.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -37,7 +37,7 @@ void make_tum_folder(const fs::path& folder) {
 }
 
 TEST(TumDataset, PairsColourToDepth) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   make_tum_folder(folder.path());
   const Dataset dataset = open_dataset("tum", folder.path());
   ASSERT_EQ(dataset.frame_count(), 3);
@@ -55,14 +55,14 @@ TEST(TumDataset, PairsColourToDepth) {
 }
 
 TEST(TumDataset, GroundtruthMayBeMissing) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   make_tum_folder(folder.path());
   fs::remove(folder.path() / "groundtruth.txt");
   EXPECT_TRUE(open_dataset("tum", folder.path()).groundtruth().empty());
 }
 
 TEST(TumDataset, CameraFollowsTheFolderName) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   const auto camera_of = [&](const char* name) {
     make_tum_folder(folder.path() / name);
     return open_dataset("tum", folder.path() / name).default_calibration().name;
@@ -70,7 +70,9 @@ TEST(TumDataset, CameraFollowsTheFolderName) {
   EXPECT_EQ(camera_of("rgbd_dataset_freiburg1_desk"), "tum-fr1");
   EXPECT_EQ(camera_of("fr2_xyz"), "tum-fr2");
   EXPECT_EQ(camera_of("rgbd_dataset_freiburg3_long_office_household"), "tum-fr3");
-  EXPECT_EQ(camera_of("my_room"), "tum");
+  EXPECT_EQ(camera_of("FR1-360"), "tum-fr1");
+  for (const char* name : {"my_room", "fr10_office", "xfr1_desk", "freiburg12", "fr4", "fr1desk"})
+    EXPECT_EQ(camera_of(name), "tum") << name;
 
   Calibration own = builtin_calibration("tum-fr3");
   own.name = "mine";
@@ -79,7 +81,7 @@ TEST(TumDataset, CameraFollowsTheFolderName) {
 }
 
 TEST(TumDataset, DamagedImagesAreErrorsOfTheirFrameOnly) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   make_tum_folder(folder.path());
   const std::string whole = read_file(folder.path() / "depth/1.png");
   write_file(folder.path() / "depth/1.png", whole.substr(0, whole.size() / 2));
@@ -91,16 +93,25 @@ TEST(TumDataset, DamagedImagesAreErrorsOfTheirFrameOnly) {
 }
 
 TEST(TumDataset, BadListsAreNamed) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   make_tum_folder(folder.path());
   write_file(folder.path() / "rgb.txt", "10.0 rgb/1.png\n10.1\n");
   EXPECT_THAT(error_of([&] { open_dataset("tum", folder.path()); }), HasSubstr("rgb.txt, line 2"));
-  fs::remove(folder.path() / "rgb.txt");
-  EXPECT_THAT(error_of([&] { open_dataset("tum", folder.path()); }), HasSubstr("rgb.txt: cannot be read"));
+  fs::remove(folder.path() / "depth.txt");
+  EXPECT_THAT(error_of([&] { open_dataset("tum", folder.path()); }), HasSubstr("depth.txt: cannot be read"));
+}
+
+TEST(TumDataset, WithoutAColourListThereIsNoColour) {
+  const ScratchDir folder;
+  make_tum_folder(folder.path());
+  fs::remove(folder / "rgb.txt");
+  const Dataset dataset = open_dataset("tum", folder.path());
+  ASSERT_EQ(dataset.frame_count(), 3);
+  EXPECT_TRUE(dataset.load(0).colour.empty());
 }
 
 TEST(Dataset, UnknownFormatsAndEmptyFoldersAreErrors) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   EXPECT_THAT(error_of([&] { open_dataset("kitti", folder.path()); }), HasSubstr("known: tum, icl, 7scenes"));
   EXPECT_THAT(error_of([&] { open_dataset("7scenes", folder.path()); }), HasSubstr("holds no frames"));
   EXPECT_THAT(error_of([&] { open_dataset("icl", folder.path()); }), HasSubstr("cannot be listed"));
@@ -111,7 +122,7 @@ TEST(Dataset, UnknownFormatsAndEmptyFoldersAreErrors) {
 }
 
 TEST(SevenScenesDataset, ReadsImagesAndPosesByNumber) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   for (uint16_t i : {3, 4, 10}) {
     const std::string frame =
         (folder.path() / "frame-0000").string() + (i < 10 ? "0" : "") + std::to_string(i);
@@ -127,20 +138,35 @@ TEST(SevenScenesDataset, ReadsImagesAndPosesByNumber) {
   EXPECT_EQ(dataset.load(2).colour.width(), 32);
   EXPECT_EQ(dataset.default_calibration().invalid_depth, 65535);
   ASSERT_EQ(dataset.groundtruth().size(), 2u);
-  const StampedPose& last = dataset.groundtruth()[1];
+  const StampedPose last = dataset.groundtruth()[1];
   EXPECT_EQ(last.timestamp_us, dataset.timestamp_us(2));
   EXPECT_LT((last.T_odom_camera * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0.5, 1, 10)).norm(), 1e-12);
 }
 
+TEST(SevenScenesDataset, AMissingDepthImageIsAnErrorOfItsFrameAndMissingColourIsNone) {
+  const ScratchDir folder;
+  for (const std::string number : {"1", "2", "3"})
+    write_images(folder / ("frame-" + number + ".depth.png"), folder / ("frame-" + number + ".color.png"), 1);
+  fs::remove(folder / "frame-2.depth.png");
+  fs::remove(folder / "frame-3.color.png");
+  const Dataset dataset = open_dataset("7scenes", folder.path());
+  ASSERT_EQ(dataset.frame_count(), 3);
+  EXPECT_NO_THROW(dataset.load(0));
+  EXPECT_THAT(error_of([&] { dataset.load(1); }), HasSubstr("frame-2.color.png: its depth image is missing"));
+  EXPECT_TRUE(dataset.load(2).colour.empty());
+  fs::remove(folder / "frame-1.depth.png");
+  fs::remove(folder / "frame-3.depth.png");
+  EXPECT_THAT(error_of([&] { open_dataset("7scenes", folder.path()); }), HasSubstr("holds no frames"));
+}
+
 TEST(SevenScenesDataset, BadPosesAreNamed) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   write_images(folder.path() / "frame-000001.depth.png", folder.path() / "frame-000001.color.png", 1);
   for (const char* pose :
        {"1 0 0 0\n0 1 0 0\n", "1 0 0 0\n0 2 0 0\n0 0 1 0\n0 0 0 1\n", "1 0 0\n", "a b c d\n"}) {
     write_file(folder.path() / "frame-000001.pose.txt", pose);
-    EXPECT_THAT(error_of([&] { open_dataset("7scenes", folder.path()); }),
-                HasSubstr("frame-000001.pose.txt, line"))
-        << pose;
+    const Dataset dataset = open_dataset("7scenes", folder.path());
+    EXPECT_THAT(error_of([&] { dataset.groundtruth(); }), HasSubstr("frame-000001.pose.txt, line")) << pose;
   }
 }
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/core/rng.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -52,7 +52,7 @@ TEST(G2o, SurvivesARoundTrip) {
                                random_information(static_cast<uint64_t>(id))});
     }
   }
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   write_g2o(folder.path() / "g.g2o", written);
   const PoseGraph read = read_g2o(folder.path() / "g.g2o");
   ASSERT_EQ(read.nodes.size(), written.nodes.size());

@@ -9,7 +9,7 @@
 #include "shared/io/dataset.h"
 #include "shared/io/file.h"
 #include "shared/io/image_file.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -67,7 +67,7 @@ void render_icl(const fs::path& folder) {
 class IclNuimTest : public ::testing::Test {
  protected:
   IclNuimTest() { render_icl(folder_.path()); }
-  TemporaryFolder folder_;
+  ScratchDir folder_;
 };
 
 TEST_F(IclNuimTest, ImagesIntrinsicsAndPosesAgree) {
@@ -134,9 +134,18 @@ TEST_F(IclNuimTest, ImagesWithoutAPoseOrColourAreKept) {
   EXPECT_EQ(dataset.groundtruth().front().timestamp_us, dataset.timestamp_us(1));
 }
 
+TEST_F(IclNuimTest, AMissingDepthImageIsAnErrorOfItsFrame) {
+  fs::remove(folder_.path() / "depth/1.png");
+  const Dataset dataset = open_dataset("icl", folder_.path());
+  ASSERT_EQ(dataset.frame_count(), 2);
+  EXPECT_THAT(error_of([&] { dataset.load(0); }), HasSubstr("1.png: its depth image is missing"));
+  EXPECT_NO_THROW(dataset.load(1));
+}
+
 TEST_F(IclNuimTest, TwoGroundTruthsAreAnError) {
   fs::copy(folder_.path() / "livingRoom9.gt.freiburg", folder_.path() / "livingRoom8.gt.freiburg");
-  EXPECT_THAT(error_of([&] { open_dataset("icl", folder_.path()); }), HasSubstr("more than one"));
+  const Dataset dataset = open_dataset("icl", folder_.path());
+  EXPECT_THAT(error_of([&] { dataset.groundtruth(); }), HasSubstr("more than one"));
 }
 
 }  // namespace

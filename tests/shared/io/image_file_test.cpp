@@ -10,7 +10,7 @@
 
 #include "shared/core/rng.h"
 #include "shared/io/file.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -54,7 +54,7 @@ TEST(ImageFile, JpegIsClose) {
 }
 
 TEST(ImageFile, FilesAreWrittenByExtension) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   write_depth(folder.path() / "d.png", depth_image());
   EXPECT_EQ(read_depth(folder.path() / "d.png"), depth_image());
   write_colour(folder.path() / "c.png", colour_image());

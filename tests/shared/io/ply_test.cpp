@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/io/file.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -35,7 +35,7 @@ std::string error_in(const std::string& text) {
 }
 
 TEST(Ply, SurvivesARoundTrip) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   write_ply(folder.path() / "m.ply", square());
   expect_equal(read_ply(folder.path() / "m.ply"), square());
   Mesh bare;

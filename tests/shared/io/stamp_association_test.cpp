@@ -66,5 +66,17 @@ TEST(AssociateStamps, AgreesWithAnExhaustiveSearch) {
   }
 }
 
+TEST(AssociateStamps, MemoryIsLinearHoweverDenseTheStamps) {
+  // Every stamp of one list is within the window of every stamp of the other: 10^10 candidates.
+  std::vector<int64_t> a, b;
+  for (int64_t i = 0; i < 100'000; ++i) {
+    a.push_back(2 * i);
+    b.push_back(2 * i + 1);
+  }
+  const std::vector<StampPair> pairs = associate_stamps(a, b, 1'000'000);
+  ASSERT_EQ(pairs.size(), a.size());
+  for (size_t i = 0; i < pairs.size(); ++i) ASSERT_EQ(pairs[i], (StampPair{i, i}));
+}
+
 }  // namespace
 }  // namespace kt

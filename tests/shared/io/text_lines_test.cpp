@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -27,7 +27,7 @@ TEST(Stamps, AreExactToTheMicrosecond) {
 
 TEST(Stamps, RefuseWhatIsNoTime) {
   for (const char* text : {"", "-", ".", "abc", "1.2.3", "1 2", "nan", "inf", "1e300", "99999999999999999999",
-                           "9000000000001"}) {
+                           "100000000000.000001", "1305031102160.407", "1e11000"}) {
     EXPECT_EQ(parse_stamp_us(text), std::nullopt) << text;
   }
 }
@@ -57,6 +57,14 @@ TEST(TextLines, NamesFileAndLine) {
   EXPECT_THAT(error_of([&] { lines.number(2); }), HasSubstr("poses.txt, line 2: 'x'"));
   EXPECT_THAT(error_of([&] { lines.number(3); }), HasSubstr("field 4 is missing"));
   EXPECT_THAT(error_of([&] { lines.expect_fields(4, "a b c d"); }), HasSubstr("expected 4: a b c d"));
+}
+
+TEST(TextLines, MillisecondsForSecondsAreNamed) {
+  TextLines lines("depth.txt", "1305031102160 soon");
+  ASSERT_TRUE(lines.next());
+  EXPECT_THAT(error_of([&] { lines.stamp_us(0); }),
+              HasSubstr("'1305031102160' is not a time in seconds (milliseconds?)"));
+  EXPECT_THAT(error_of([&] { lines.stamp_us(1); }), ::testing::EndsWith("'soon' is not a time in seconds"));
 }
 
 TEST(TextLines, NumbersAreFiniteAndWhole) {

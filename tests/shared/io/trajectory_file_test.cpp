@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/core/rng.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -26,7 +26,7 @@ Trajectory random_trajectory(uint64_t count) {
 }
 
 TEST(TrajectoryFile, SurvivesARoundTrip) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   const Trajectory written = random_trajectory(200);
   write_trajectory(folder.path() / "t.txt", written);
   const Trajectory read = read_trajectory(folder.path() / "t.txt");

@@ -198,5 +198,13 @@ TEST(Codec, RefusedMessageLeavesTheOutputAlone) {
   expect_equal(out, sample_stamped_pose(99));
 }
 
+TEST(Codec, AnAbsurdLensIsNoDamage) {
+  SessionHeader session = sample_session(), read;
+  session.calibration.depth.distortion = {-2, 0, 0, 0, 0};
+  ASSERT_NE(session.calibration.problem(), "");
+  ASSERT_EQ(decode(encode(session, 0), read), DecodeStatus::kOk);
+  EXPECT_EQ(read.calibration.depth, session.calibration.depth);
+}
+
 }  // namespace
 }  // namespace kt

@@ -7,10 +7,25 @@
 #include <gtest/gtest.h>
 #include <lcm/eventlog.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include "shared/core/check.h"
 #include "shared/wire/event_log_format.h"
 #include "tests/shared/wire/sample_messages.h"
+
+namespace {
+int synced_files = 0;
+int sync_error = 0;  // the errno that syncing fails with; 0 = it works
+}  // namespace
+
+/// Takes the place of the C library's, so that tests see and fail it.
+extern "C" int fdatasync(int file) {
+  ++synced_files;
+  if (sync_error == 0) return static_cast<int>(::syscall(SYS_fdatasync, file));
+  errno = sync_error;
+  return -1;
+}
 
 namespace kt {
 namespace {
@@ -43,15 +58,6 @@ void write_events(const std::filesystem::path& path, const std::vector<StoredEve
   EXPECT_EQ(writer.event_count(), static_cast<int64_t>(events.size()));
   writer.close();
   EXPECT_EQ(static_cast<uintmax_t>(writer.byte_count()), std::filesystem::file_size(path));
-}
-
-std::string error_of(const auto& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(EventLog, ReadsWhatItWrote) {
@@ -160,10 +166,54 @@ TEST(EventLog, DoesNotOverwriteUnasked) {
   const ScratchDir folder;
   write_events(folder / "a.lcm", kEvents);
   const Bytes before = read_bytes(folder / "a.lcm");
-  EXPECT_NE(error_of([&] { EventLogWriter(folder / "a.lcm"); }).find("a.lcm exists"), std::string::npos);
+  const std::string text = error_of([&] { EventLogWriter(folder / "a.lcm"); });
+  EXPECT_NE(text.find("a.lcm exists"), std::string::npos) << text;
+  EXPECT_NE(text.find("--overwrite"), std::string::npos) << text;
   EXPECT_EQ(read_bytes(folder / "a.lcm"), before);
+}
+
+TEST(EventLog, OverwritesOnlyWithTheFirstEvent) {
+  const ScratchDir folder;
+  write_events(folder / "a.lcm", kEvents);
+  const Bytes before = read_bytes(folder / "a.lcm");
   EventLogWriter(folder / "a.lcm", true).close();
-  EXPECT_TRUE(read_bytes(folder / "a.lcm").empty());
+  { const EventLogWriter unused(folder / "a.lcm", true); }
+  EXPECT_EQ(read_bytes(folder / "a.lcm"), before);
+  EventLogWriter writer(folder / "a.lcm", true);
+  writer.write("B", 1, Bytes{9});
+  writer.close();
+  EventLogReader reader(folder / "a.lcm");
+  EXPECT_EQ(read_all(reader), (std::vector<StoredEvent>{{1, "B", {9}}}));
+  EXPECT_TRUE(reader.integrity().is_sound());
+}
+
+TEST(EventLog, NewLogWithoutEventsIsRemoved) {
+  const ScratchDir folder;
+  EventLogWriter(folder / "a.lcm").close();
+  { const EventLogWriter unused(folder / "a.lcm"); }
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.lcm"));
+}
+
+TEST(EventLog, ALogInUseIsNotOverwritten) {
+  const ScratchDir folder;
+  write_events(folder / "a.lcm", kEvents);
+  const Bytes before = read_bytes(folder / "a.lcm");
+  const auto overwrite = [&] { EventLogWriter(folder / "a.lcm", true).write("B", 1, Bytes{9}); };
+  {
+    EventLogReader reader(folder / "a.lcm");
+    const EventLogReader another(folder / "a.lcm");
+    const std::string text = error_of(overwrite);
+    EXPECT_NE(text.find("a.lcm is being read or written"), std::string::npos) << text;
+    EXPECT_EQ(read_all(reader), kEvents);
+  }
+  {
+    const EventLogWriter writer(folder / "a.lcm", true);
+    EXPECT_NE(error_of(overwrite).find("a.lcm is being read or written"), std::string::npos);
+    EventLogReader reader(folder / "a.lcm");  // reading is free
+    EXPECT_EQ(read_all(reader), kEvents);
+  }
+  EXPECT_EQ(read_bytes(folder / "a.lcm"), before);
+  EXPECT_EQ(error_of(overwrite), "");
 }
 
 TEST(EventLog, UnwritablePlaceIsAnErrorThatNamesIt) {
@@ -177,6 +227,25 @@ TEST(EventLog, FullDiskIsAnErrorAtOnceAndEverAfter) {
     EXPECT_NE(text.find("/dev/full: No space left on device"), std::string::npos) << text;
   }
   EXPECT_EQ(writer.event_count(), 0);
+}
+
+TEST(EventLog, CloseWaitsForTheDisk) {
+  const ScratchDir folder;
+  synced_files = 0;
+  write_events(folder / "a.lcm", kEvents);
+  EXPECT_EQ(synced_files, 1);
+  EventLogWriter writer(folder / "b.lcm");
+  writer.write("A", 0, Bytes{1});
+  sync_error = EIO;
+  const std::string text = error_of([&] { writer.close(); });
+  sync_error = 0;
+  EXPECT_NE(text.find("b.lcm: Input/output error"), std::string::npos) << text;
+}
+
+TEST(EventLog, ADeviceNeedsNoSync) {
+  EventLogWriter writer("/dev/null");
+  writer.write("A", 0, Bytes{1});
+  writer.close();
 }
 
 TEST(EventLog, DiskThatFillsUpKeepsEveryWholeEvent) {

@@ -146,7 +146,7 @@ TEST(MessageReader, CountsUnknownChannels) {
   const ScratchDir folder;
   EventLogWriter writer(folder / "a.lcm");
   writer.write("ODOMETRY", 5, Bytes{1, 2, 3});
-  writer.write(channel_of<MissionStatus>(), 6, encode(sample_status(), 0));
+  writer.write(channel_of<SessionHeader>(), 6, encode(sample_session(), 0));
   writer.write("EMPTY", 7, {});
   writer.close();
   const Reading reading = read_all(read_bytes(folder / "a.lcm"));
@@ -154,6 +154,24 @@ TEST(MessageReader, CountsUnknownChannels) {
   EXPECT_EQ(reading.integrity.unknown_events, 2);
   EXPECT_EQ(reading.integrity.events, 3);
   EXPECT_TRUE(reading.integrity.is_sound());
+}
+
+TEST(MessageReader, TellsAMissionWithoutItsBeginningOrItsEnd) {
+  CloudSlice slice = sample_slice();
+  slice.is_final = false;
+  const Message session = sample_session(), pose = sample_stamped_pose(), last = sample_slice();
+  const auto expect = [](const std::vector<Message>& log, bool session_missing, bool final_slice_missing) {
+    const LogIntegrity integrity = read_all(log_of(log)).integrity;
+    EXPECT_EQ(integrity.session_missing, session_missing);
+    EXPECT_EQ(integrity.final_slice_missing, final_slice_missing);
+    EXPECT_EQ(integrity.is_sound(), !session_missing && !final_slice_missing);
+  };
+  expect({session, pose, slice, last}, false, false);
+  expect({session, pose, slice}, false, true);
+  expect({session, pose}, false, true);
+  expect({session}, false, false);
+  expect({session, sample_frame()}, false, false);
+  expect({pose, last}, true, false);
 }
 
 TEST(MessageReader, SkippedTypesAreStillCheckedAndCounted) {
@@ -171,6 +189,8 @@ TEST(MessageReader, SkippedTypesAreStillCheckedAndCounted) {
   }
   EXPECT_EQ(count, 5u);
   EXPECT_EQ(reader.channels()[message_index<StampedPose>()].messages, 3);
+  EXPECT_EQ(reader.channels()[message_index<StampedPose>()].damaged, 1);
+  EXPECT_FALSE(reader.integrity().final_slice_missing);  // nobody looked
   EXPECT_EQ(reader.channels()[message_index<CloudSlice>()].messages, 1);
   EXPECT_EQ(reader.integrity().damaged_events, 1);
 }

@@ -1,17 +1,12 @@
-// One message of each type with no field left at its default, comparisons field by field, and a folder to
-// write in.
+// One message of each type with no field left at its default, and comparisons field by field.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <filesystem>
-#include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
-#include <stdlib.h>
-#include <string>
 #include <vector>
 
 #include "shared/wire/channels.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 
@@ -179,38 +174,6 @@ inline void expect_equal(const CompressedFrame& a, const CompressedFrame& b) {
 inline void expect_equal(const Message& a, const Message& b) {
   ASSERT_EQ(a.index(), b.index());
   std::visit([&b]<typename T>(const T& message) { expect_equal(message, std::get<T>(b)); }, a);
-}
-
-/// A fresh folder, gone with the object.
-class ScratchDir {
- public:
-  ScratchDir() {
-    std::string name = (std::filesystem::temp_directory_path() / "kintsugi_test_XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot create " + name);
-    path_ = name;
-  }
-  ~ScratchDir() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchDir(const ScratchDir&) = delete;
-  ScratchDir& operator=(const ScratchDir&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
-
-inline std::vector<uint8_t> read_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  EXPECT_TRUE(file) << path;
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-inline void write_bytes(const std::filesystem::path& path, const std::vector<uint8_t>& bytes) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  EXPECT_TRUE(file) << path;
 }
 
 }  // namespace kt

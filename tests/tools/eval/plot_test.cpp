@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/io/image_file.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -38,7 +38,7 @@ class WithoutPath {
 
 TEST(Plot, DrawsPictures) {
   if (std::system("command -v gnuplot >/dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   const auto png = folder.path() / "it's a plot.png";
   plot_trajectory_error(some_trajectory_error(), png);
   EXPECT_EQ(read_colour(png).width(), 1200);

@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "shared/core/rng.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 #include "tools/eval/triangle_tree.h"
 
 #ifdef _OPENMP

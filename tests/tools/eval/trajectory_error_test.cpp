@@ -10,7 +10,7 @@
 #include "shared/core/rng.h"
 #include "shared/io/file.h"
 #include "shared/io/trajectory_file.h"
-#include "tests/shared/io/test_files.h"
+#include "tests/support/test_files.h"
 #include "tools/eval/groundtruth.h"
 
 namespace kt {
@@ -183,7 +183,7 @@ TEST(AbsoluteTrajectoryError, GivesTheBenchmarksPublishedResults) {
 }
 
 TEST(Groundtruth, IclFilesAreBroughtToTheConventionOfTheirImages) {
-  const TemporaryFolder folder;
+  const ScratchDir folder;
   const std::string file = (folder.path() / "livingRoom0.gt.freiburg").string();
   write_file(file, "3 0 -2 1 0 0 0 1\n6 0 -2 2 0 0 0 1\n");
   const Trajectory poses = read_groundtruth(file);
