@@ -70,6 +70,11 @@ class BenchmarkTest(unittest.TestCase):
         self.assertIn("| sequence | p50 | p95 | max | track | peak MiB |", page)
         self.assertIn("| room | 60.0 | 70.0 | 90.0 | 60.0 | 300 |", page)
 
+    def test_the_page_of_a_recording_without_promises_and_surface(self):
+        page = benchmark.document([sequence("a", surface=None)], [], "1.2", [])
+        self.assertIn("None of the sequences has such figures.\n\n## Trajectory", page)
+        self.assertIn("None of the sequences has such figures.\n\n## Speed", page)
+
     def test_writes_nothing_where_nothing_succeeded(self):
         with tempfile.TemporaryDirectory() as folder:
             recording, output = Path(folder) / "recording", Path(folder) / "page.md"
