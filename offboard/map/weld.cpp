@@ -1,4 +1,4 @@
-// Welding by sorting: 16 bytes per vertex beside the slices and the mesh, whatever their number.
+// Welding by sorting: 20 bytes per vertex beside the slices and the mesh, whatever their number.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/map/weld.h"
 

@@ -1,23 +1,20 @@
 // kintsugi-collect: options in, mission run, report out.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <exception>
 #include <fstream>
 #include <iostream>
 #include <sstream>
-#include <unistd.h>
-
-#include "CLI/CLI.hpp"
-#include "spdlog/sinks/stdout_color_sinks.h"
-#include "spdlog/spdlog.h"
 
 #include "onboard/app/config_fields.h"
 #include "onboard/app/mission.h"
 #include "onboard/app/mission_report.h"
 #include "onboard/publish/log_sink.h"
+#include "shared/cli/program.h"
+#include "shared/cli/progress_line.h"
 #include "shared/core/version.h"
 #include "shared/io/calibration_file.h"
 
@@ -47,31 +44,25 @@ kt::CollectorConfig read_config(const Options& options) {
   return config;
 }
 
-// One line that is rewritten on a terminal, and written now and then elsewhere.
-class ProgressLine {
+// Of frames: "frame 12 of 600  14.5 Hz  good  2 slices  0 skipped".
+class FrameProgress {
  public:
   void show(const kt::MissionStatus& status, int64_t frame_count) {
-    const auto now = std::chrono::steady_clock::now();
-    if (now - last_ < std::chrono::milliseconds(is_terminal_ ? 200 : 10000)) return;
-    last_ = now;
-    const double seconds = std::chrono::duration<double>(now - start_).count();
-    const double rate = static_cast<double>(status.frames) / std::max(seconds, 1e-3);
-    std::string text = "frame " + std::to_string(status.frames + status.frames_skipped);
-    if (frame_count > 0) text += " of " + std::to_string(frame_count);
-    text += "  " + std::to_string(static_cast<int>(rate * 10) / 10) + "." +
-            std::to_string(static_cast<int>(rate * 10) % 10) + " Hz  tracking " +
-            kt::to_string(status.tracking) + "  " + std::to_string(status.slices) + " slices  " +
-            std::to_string(status.frames_skipped) + " skipped";
-    std::fprintf(stderr, is_terminal_ ? "\r%-78s" : "%s\n", text.c_str());
+    const int64_t frames = status.frames + status.frames_skipped;
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    char text[160];
+    std::snprintf(
+        text, sizeof text, "frame %lld%s  %.1f Hz  %s  %lld slices  %lld skipped",
+        static_cast<long long>(frames), frame_count > 0 ? (" of " + std::to_string(frame_count)).c_str() : "",
+        static_cast<double>(status.frames) / std::max(seconds, 1e-3), kt::to_string(status.tracking),
+        static_cast<long long>(status.slices), static_cast<long long>(status.frames_skipped));
+    line_.show(frame_count > 0 ? static_cast<double>(frames) / static_cast<double>(frame_count) : -1, text);
   }
-  void end() const {
-    if (is_terminal_) std::fprintf(stderr, "\r%78s\r", "");
-  }
+  void end() { line_.end(); }
 
  private:
-  const bool is_terminal_ = isatty(STDERR_FILENO) != 0;
+  kt::ProgressLine line_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  std::chrono::steady_clock::time_point last_ = start_;
 };
 
 void run(const Options& options) {
@@ -91,16 +82,17 @@ void run(const Options& options) {
   mission.device = kt::exec::Device::from_name(options.device, options.threads);
   mission.record_raw = options.record_raw;
   mission.stop = &stop_requested;
-  ProgressLine progress;
+  kt::LogSink sink(options.log, {.overwrite = options.overwrite});
+  if (!options.quiet) {
+    std::fprintf(stderr, "kintsugi-collect %s: %s (camera %s) -> %s, volume %d voxels of %g m\n",
+                 kt::kProgramVersion, options.input.c_str(), source->calibration().name.c_str(),
+                 options.log.c_str(), config.volume.resolution, config.volume.voxel_size_m);
+  }
+  FrameProgress progress;
   if (!options.quiet)
     mission.on_progress = [&](const kt::MissionStatus& status, int64_t count) {
       progress.show(status, count);
     };
-
-  kt::LogSink sink(options.log, {.overwrite = options.overwrite});
-  spdlog::info("kintsugi-collect {}: {} (camera {}) -> {}, volume {} voxels of {} m", kt::kProgramVersion,
-               options.input, source->calibration().name, options.log, config.volume.resolution,
-               config.volume.voxel_size_m);
   const kt::MissionSummary summary = kt::run_mission(*source, sink, mission);
   progress.end();
   if (!options.quiet) std::cout << kt::mission_report_text(summary);
@@ -113,15 +105,11 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Tracks an RGB-D camera, fuses its frames and logs poses and surface for kintsugi-map.",
                "kintsugi-collect"};
-  std::string inputs;
-  for (const std::string& spec : kt::source_specs()) inputs += (inputs.empty() ? "" : ", ") + spec;
-  std::string cameras;
-  for (const std::string& name : kt::builtin_calibration_names())
-    cameras += (cameras.empty() ? "" : ", ") + name;
-  app.add_option("--input,-i", options.input, "where frames come from: " + inputs);
+  app.add_option("--input,-i", options.input, "where frames come from: " + kt::joined(kt::source_specs()));
   app.add_option("--log,-l", options.log, "LCM log to write");
   app.add_option("--calibration,-k", options.calibration,
-                 "calibration file, or one of " + cameras + "; by default the input's own");
+                 "calibration file, or one of " + kt::joined(kt::builtin_calibration_names()) +
+                     "; by default the input's own");
   app.add_option("--config,-c", options.config,
                  "configuration file (YAML); --print-config shows every field");
   app.add_option("--set", options.settings,
@@ -140,17 +128,7 @@ int main(int argc, char** argv) {
                "print the configuration with every field explained, and stop");
   app.add_flag("--quiet,-q", options.quiet, "print errors only");
   app.set_version_flag("--version", std::string("kintsugi-collect ") + kt::kProgramVersion);
-  CLI11_PARSE(app, argc, argv);
 
-  spdlog::set_default_logger(spdlog::stderr_color_mt("kintsugi"));
-  spdlog::set_pattern("%^%v%$");
-  if (options.quiet) spdlog::set_level(spdlog::level::err);
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop_requested = true; });
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    spdlog::error("kintsugi-collect: {}", error.what());
-    return 1;
-  }
-  return 0;
+  return kt::run_program(app, argc, argv, [&] { run(options); });
 }

@@ -8,7 +8,8 @@ namespace {
 
 class SyntheticSource final : public FrameSource {
  public:
-  explicit SyntheticSource(const std::string& name) : mission_(name) {}
+  // On the reading thread alone, as images are decoded: the other cores are the collector's.
+  explicit SyntheticSource(const std::string& name) : mission_(name, {.threads = 1}) {}
 
   SourceItem next() override {
     if (next_ == mission_.frame_count()) return {};

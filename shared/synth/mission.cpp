@@ -5,12 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 #include "shared/core/check.h"
 #include "shared/core/digest.h"
+#include "shared/core/parallel.h"
 #include "shared/core/rng.h"
 
 namespace kt {
@@ -47,11 +44,7 @@ SynthOptions checked(SynthOptions options) {
   if (options.frames && *options.frames < 1) throw Error("a synthetic mission needs at least 1 frame");
   if (options.downscale < 1 || options.downscale > 8) throw Error("downscale must lie in [1, 8]");
   if (options.threads < 0) throw Error("threads must not be negative");
-#ifdef _OPENMP
-  if (options.threads == 0) options.threads = omp_get_max_threads();
-#else
-  options.threads = 1;
-#endif
+  options.threads = thread_count(options.threads);
   return options;
 }
 

@@ -8,6 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "shared/core/parallel.h"
+
 namespace kt {
 namespace {
 
@@ -232,12 +234,10 @@ View Renderer::render(const Pose& T_world_camera, bool smooth_edges) const {
   View view{Image<double>(width, height, kInfinity), Image<int32_t>(width, height, -1),
             Image<float>(width, height), Image<Vec3f>(width, height)};
   const Pass pass(scene_, camera_, T_world_camera, &view);
-#pragma omp parallel for schedule(dynamic, 4) num_threads(threads_)
-  for (int tile = 0; tile < pass.tile_count(); ++tile) pass.trace(tile);
-  if (smooth_edges) {
-#pragma omp parallel for schedule(dynamic, 4) num_threads(threads_)
-    for (int tile = 0; tile < pass.tile_count(); ++tile) pass.smooth(tile);
-  }
+  const int tiles = pass.tile_count();
+  for_each_in_parallel(tiles, threads_, [&pass](int64_t tile) { pass.trace(static_cast<int>(tile)); });
+  if (smooth_edges)
+    for_each_in_parallel(tiles, threads_, [&pass](int64_t tile) { pass.smooth(static_cast<int>(tile)); });
   return view;
 }
 

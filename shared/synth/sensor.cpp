@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "shared/core/parallel.h"
 #include "shared/core/rng.h"
 
 namespace kt {
@@ -68,8 +69,8 @@ Image<uint16_t> flawed_depth(const View& view, const Scene& scene, double unit_m
   const Image<double>& z_m = view.z_m;
   const int width = z_m.width(), height = z_m.height(), columns = (width + 1) / 2, rows = (height + 1) / 2;
   Image<Block> blocks(columns, rows);
-#pragma omp parallel for num_threads(threads)
-  for (int row = 0; row < rows; ++row) {
+  for_each_in_parallel(rows, threads, [&](int64_t row_index) {
+    const int row = static_cast<int>(row_index);
     for (int column = 0; column < columns; ++column) {
       const auto key =
           static_cast<uint64_t>(row) * static_cast<uint64_t>(columns) + static_cast<uint64_t>(column);
@@ -79,7 +80,7 @@ Image<uint16_t> flawed_depth(const View& view, const Scene& scene, double unit_m
                              flaws.edge_jitter_px * random_normal(seed, jitter, 2 * key + 1),
                              random_uniform(seed, stream_of(frame, kHoles), key)};
     }
-  }
+  });
 
   const double shared_part = std::sqrt(2.0 / 3) * flaws.disparity_noise_px,
                own_part = std::sqrt(1.0 / 3) * flaws.disparity_noise_px;
@@ -88,42 +89,36 @@ Image<uint16_t> flawed_depth(const View& view, const Scene& scene, double unit_m
     return scene.primitives()[static_cast<size_t>(view.face(u, v) / View::kMaxFaces)].material.infrared;
   };
   Image<uint16_t> depth(width, height);
-#pragma omp parallel num_threads(threads)
-  {
+  for_each_in_parallel(height, threads, [&](int64_t row) {
+    const int v = static_cast<int>(row);
     std::vector<uint8_t> shadow(static_cast<size_t>(width));
-#pragma omp for
-    for (int v = 0; v < height; ++v) {
-      mark_shadow(z_m, v, flaws.focal_baseline_px_m, &shadow);
-      for (int u = 0; u < width; ++u) {
-        const Block& block = blocks(u / 2, v / 2);
-        // Jitter takes the depth of a pixel nearby, at edges only: on one surface it would be noise of
-        // another law.
-        const int u_near = std::clamp(static_cast<int>(std::floor(u + block.jitter_u + 0.5)), 0, width - 1);
-        const int v_near = std::clamp(static_cast<int>(std::floor(v + block.jitter_v + 0.5)), 0, height - 1);
-        const bool edge = on_two_surfaces(z_m(u, v), z_m(u_near, v_near));
-        const int us = edge ? u_near : u, vs = edge ? v_near : v;
-        const double z = z_m(us, vs);
-        if (shadow[static_cast<size_t>(u)] || z < flaws.nearest_m || z == kInfinity) continue;
+    mark_shadow(z_m, v, flaws.focal_baseline_px_m, &shadow);
+    for (int u = 0; u < width; ++u) {
+      const Block& block = blocks(u / 2, v / 2);
+      // Jitter takes the depth of a pixel nearby, at edges only: on one surface it would be noise of
+      // another law.
+      const int u_near = std::clamp(static_cast<int>(std::floor(u + block.jitter_u + 0.5)), 0, width - 1);
+      const int v_near = std::clamp(static_cast<int>(std::floor(v + block.jitter_v + 0.5)), 0, height - 1);
+      const bool edge = on_two_surfaces(z_m(u, v), z_m(u_near, v_near));
+      const int us = edge ? u_near : u, vs = edge ? v_near : v;
+      const double z = z_m(us, vs);
+      if (shadow[static_cast<size_t>(u)] || z < flaws.nearest_m || z == kInfinity) continue;
 
-        // Half of the mixed pixels at an edge are lost; dark and flat surfaces and the far end fade out by
-        // chance.
-        // Half of the mixed pixels at an edge are lost; flat surfaces and the far end fade out by chance.
-        const bool lost = (edge && block.hole < 0.5) ||
-                          view.cos_incidence(us, vs) < grazing * (0.8 + 0.4 * block.hole) ||
-                          z > flaws.farthest_m + flaws.fading_m * (2 * block.hole - 1) ||
-                          in_dark_patch(infrared_at(us, vs), u, v, block.hole, seed, frame);
-        if (lost) continue;
+      // Half of the mixed pixels at an edge are lost; flat surfaces and the far end fade out by chance.
+      const bool lost = (edge && block.hole < 0.5) ||
+                        view.cos_incidence(us, vs) < grazing * (0.8 + 0.4 * block.hole) ||
+                        z > flaws.farthest_m + flaws.fading_m * (2 * block.hole - 1) ||
+                        in_dark_patch(infrared_at(us, vs), u, v, block.hole, seed, frame);
+      if (lost) continue;
 
-        const auto key = static_cast<uint64_t>(v) * static_cast<uint64_t>(width) + static_cast<uint64_t>(u);
-        // Binomial of 64 bits: mean 32, sigma 4, and a third of the cost of a normal.
-        const double own = (std::popcount(random_bits(seed, stream_of(frame, kPixelNoise), key)) - 32) / 4.0;
-        const double disparity = flaws.focal_baseline_px_m / z + shared_part * block.noise + own_part * own;
-        const double stepped =
-            std::floor(disparity / flaws.disparity_step_px + 0.5) * flaws.disparity_step_px;
-        if (stepped > 0) depth(u, v) = quantised(flaws.focal_baseline_px_m / stepped, unit_m);
-      }
+      const auto key = static_cast<uint64_t>(v) * static_cast<uint64_t>(width) + static_cast<uint64_t>(u);
+      // Binomial of 64 bits: mean 32, sigma 4, and a third of the cost of a normal.
+      const double own = (std::popcount(random_bits(seed, stream_of(frame, kPixelNoise), key)) - 32) / 4.0;
+      const double disparity = flaws.focal_baseline_px_m / z + shared_part * block.noise + own_part * own;
+      const double stepped = std::floor(disparity / flaws.disparity_step_px + 0.5) * flaws.disparity_step_px;
+      if (stepped > 0) depth(u, v) = quantised(flaws.focal_baseline_px_m / stepped, unit_m);
     }
-  }
+  });
   return depth;
 }
 
@@ -136,8 +131,8 @@ Image<Rgb8> expose(const Image<Vec3f>& radiance, Vec3f gain, bool noise, uint64_
     const float clear = std::sqrt(std::clamp(light, 0.0f, 1.0f)) * 255.0f;
     return static_cast<uint8_t>(std::clamp(static_cast<int>(clear + 0.5f) + grains, 0, 255));
   };
-#pragma omp parallel for num_threads(threads)
-  for (int v = 0; v < colour.height(); ++v) {
+  for_each_in_parallel(colour.height(), threads, [&](int64_t row) {
+    const int v = static_cast<int>(row);
     for (int u = 0; u < colour.width(); ++u) {
       const auto key =
           static_cast<uint64_t>(v) * static_cast<uint64_t>(colour.width()) + static_cast<uint64_t>(u);
@@ -147,7 +142,7 @@ Image<Rgb8> expose(const Image<Vec3f>& radiance, Vec3f gain, bool noise, uint64_
       colour(u, v) = {level(light.x * gain.x, bits), level(light.y * gain.y, bits >> 20),
                       level(light.z * gain.z, bits >> 40)};
     }
-  }
+  });
   return colour;
 }
 

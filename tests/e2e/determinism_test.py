@@ -5,7 +5,7 @@ import hashlib
 import json
 import unittest
 
-from programs import WORK, ProgramTest
+from programs import SMALL_VOLUME, WORK, ProgramTest
 
 
 def digest(path):
@@ -13,14 +13,19 @@ def digest(path):
 
 
 class DeterminismTest(ProgramTest):
+    def collect_moving(self, log=None, **flags):
+        """A mission during which the volume moves, so that shift and slices are compared, too."""
+        log, report = self.collect(f"tum:{WORK / 'moving'}", log, SMALL_VOLUME, **flags)
+        self.assertGreater(report["slices"], 2)
+        self.assertEqual(report["tracked_share"], 1)
+        return log
+
     def test_log_bytes_do_not_depend_on_threads_or_runs(self):
-        source = f"tum:{WORK / 'small'}"
-        logs = [self.collect(source, self.folder / f"{i}.lcm", threads=threads)[0]
-                for i, threads in enumerate((1, 2, 3, 2))]
+        logs = [self.collect_moving(self.folder / f"{i}.lcm", threads=threads) for i, threads in enumerate((1, 2, 3, 2))]
         self.assertEqual(len({digest(log) for log in logs}), 1, [digest(log) for log in logs])
 
     def test_map_bytes_do_not_depend_on_the_run(self):
-        log, _ = self.collect(f"tum:{WORK / 'small'}")
+        log = self.collect_moving()
         maps = []
         for _ in range(2):
             out = self.map(log)

@@ -38,9 +38,9 @@ class PipelineTest(ProgramTest):
         surface = self.evaluate("surface", map=out / "map.ply", groundtruth=room / "surface.ply",
                                 seen=room / "surface_seen.ply", align_estimate=out / "trajectory.txt",
                                 align_groundtruth=truth)
-        self.assertLess(surface["accuracy"]["mean_m"], 0.008)
-        # A tenth of the mission: what its last frames alone saw is not trusted yet. tools/benchmark runs the whole.
-        self.assertGreater(surface["completeness"], 0.90)
+        # Tighter than what is promised of the whole mission (8 mm): 90 frames drift less. tools/benchmark checks the promise.
+        self.assertLess(surface["accuracy"]["mean_m"], 0.002)
+        self.assertGreater(surface["completeness"], 0.95)
 
         picture = self.folder / "map.png"
         self.run_well("render", out / "map.ply", picture, "--trajectory", out / "trajectory.txt", "--size", "320x240")

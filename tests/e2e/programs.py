@@ -17,7 +17,10 @@ DATA = Path(os.environ.get("KT_DATA", ROOT.parent / "shared" / "data"))
 MISSIONS = {
     "small": ["room", "--frames", "24", "--downscale", "2", "--no-surface"],
     "room": ["room", "--frames", "90"],
+    "moving": ["fast", "--frames", "30", "--downscale", "2", "--no-surface"],
 }
+# A volume so small that several slices leave it during the mission "moving".
+SMALL_VOLUME = ["volume.shift_distance_m=0.1", "volume.resolution=128", "volume.voxel_size_m=0.02"]
 
 
 def command(program, *arguments):
@@ -53,11 +56,12 @@ class ProgramTest(unittest.TestCase):
             self.assertIn(str(word), line)
         return line
 
-    def collect(self, source, log=None, **flags):
-        """Collects `source` and returns (log, report)."""
+    def collect(self, source, log=None, settings=(), **flags):
+        """Collects `source` with `settings` as --set takes them, and returns (log, report)."""
         log = log or self.folder / "mission.lcm"
         report = self.folder / "report.json"
         options = [word for name, value in flags.items() for word in (f"--{name.replace('_', '-')}", value)]
+        options += [word for setting in settings for word in ("--set", setting)]
         self.run_well("collect", "--input", source, "--log", log, "--report", report, *options)
         return log, json.loads(report.read_text())
 

@@ -1,16 +1,15 @@
 // kintsugi-bench: times the collector's stages on frames held in memory and prints percentiles as JSON.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdio>
-#include <exception>
 #include <iostream>
 
-#include "CLI/CLI.hpp"
 #include "nlohmann/json.hpp"
 
 #include "onboard/app/collector.h"
 #include "onboard/app/config_fields.h"
 #include "onboard/source/frame_source.h"
+#include "shared/cli/program.h"
 #include "shared/core/version.h"
+#include "shared/io/calibration_file.h"
 
 namespace {
 
@@ -28,7 +27,7 @@ class NullSink final : public kt::MessageSink {
 };
 
 struct Options {
-  std::string input = "synthetic:room", device = "cpu";
+  std::string input = "synthetic:room", calibration, device = "cpu";
   std::vector<std::string> settings;
   int64_t frames = 120, warm_up = 10;
   int threads = 0;
@@ -47,7 +46,9 @@ nlohmann::ordered_json run(const Options& options) {
   kt::CollectorConfig config;
   for (const std::string& setting : options.settings) kt::set_config_field(config, setting);
   const kt::exec::Device device = kt::exec::Device::from_name(options.device, options.threads);
-  const auto source = kt::open_source(options.input);
+  std::optional<kt::Calibration> calibration;
+  if (!options.calibration.empty()) calibration = kt::find_calibration(options.calibration);
+  const auto source = kt::open_source(options.input, calibration);
   const std::vector<kt::RgbdFrame> frames = load_frames(*source, options.warm_up + options.frames);
   if (static_cast<int64_t>(frames.size()) <= options.warm_up)
     throw kt::Error(options.input + " has too few frames for --warm-up");
@@ -66,6 +67,7 @@ nlohmann::ordered_json run(const Options& options) {
   }
   return {{"program_version", kt::kProgramVersion},
           {"input", options.input},
+          {"camera", source->calibration().name},
           {"device", options.device},
           {"threads", device.threads()},
           {"width", source->calibration().depth.width},
@@ -82,6 +84,9 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Times the collector's stages on frames held in memory; prints JSON.", "kintsugi-bench"};
   app.add_option("--input,-i", options.input, "frames, as for kintsugi-collect")->capture_default_str();
+  app.add_option("--calibration,-k", options.calibration,
+                 "calibration file, or one of " + kt::joined(kt::builtin_calibration_names()) +
+                     "; by default the input's own");
   app.add_option("--frames,-n", options.frames, "frames to time")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -92,12 +97,5 @@ int main(int argc, char** argv) {
   app.add_option("--device,-d", options.device, "cpu or cuda")->capture_default_str();
   app.add_option("--set", options.settings, "one configuration field, as for kintsugi-collect");
   app.set_version_flag("--version", std::string("kintsugi-bench ") + kt::kProgramVersion);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    std::cout << run(options).dump(2) << '\n';
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "kintsugi-bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  return kt::run_program(app, argc, argv, [&] { std::cout << run(options).dump(2) << '\n'; });
 }

@@ -23,16 +23,22 @@ if(KT_CUDA STREQUAL "AUTO" OR KT_CUDA)
 endif()
 message(STATUS "Kintsugi ${PROJECT_VERSION}: CUDA ${KT_HAVE_CUDA}, -march=${KT_MARCH}, ${CMAKE_BUILD_TYPE}")
 
-option(KT_OPENMP "Run CPU kernels on several threads" ON)
-if(KT_OPENMP)
-  find_package(OpenMP REQUIRED COMPONENTS CXX)
-endif()
 find_package(Threads REQUIRED)
-find_package(Eigen3 3.3 REQUIRED NO_MODULE)
+
+# Eigen as a CMake package or as bare headers; sources without a package may lie in .deps.
+set(KT_DEPS_DIR ${PROJECT_SOURCE_DIR}/.deps CACHE PATH "Folder with sources of libraries that the system lacks: eigen, googletest")
+find_package(Eigen3 3.3 QUIET NO_MODULE)
+if(NOT TARGET Eigen3::Eigen)
+  find_path(EIGEN3_INCLUDE_DIR Eigen/Core PATHS ${KT_DEPS_DIR}/eigen PATH_SUFFIXES eigen3)
+  if(NOT EIGEN3_INCLUDE_DIR)
+    message(FATAL_ERROR "Eigen was not found: install libeigen3-dev, set EIGEN3_INCLUDE_DIR, or put its headers into ${KT_DEPS_DIR}/eigen")
+  endif()
+  add_library(Eigen3::Eigen INTERFACE IMPORTED GLOBAL)
+  target_include_directories(Eigen3::Eigen INTERFACE ${EIGEN3_INCLUDE_DIR})
+endif()
 if(NOT KT_CORE_ONLY)
   find_package(CLI11 REQUIRED)
   find_package(nlohmann_json REQUIRED)
-  find_package(spdlog REQUIRED)
   find_package(yaml-cpp REQUIRED)
   find_package(JPEG REQUIRED)
   find_package(ZLIB REQUIRED)
@@ -44,14 +50,14 @@ target_include_directories(kt_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(kt_flags INTERFACE
   # False alarms of g++ 12: -Wrestrict on "literal" + std::string, and, under sanitizers, uninitialised std::optional values.
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-restrict $<$<BOOL:${KT_SANITIZE}>:-Wno-maybe-uninitialized>>
-  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wno-unknown-pragmas -Wshadow -Wnon-virtual-dtor -ffp-contract=off -fno-math-errno -fno-trapping-math>
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off -fno-math-errno -fno-trapping-math>
   $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${KT_MARCH}>>:-march=${KT_MARCH}>
   $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${KT_WERROR}>>:-Werror>
   $<$<COMPILE_LANGUAGE:CUDA>:-fmad=false --ftz=false --prec-div=true --prec-sqrt=true --expt-relaxed-constexpr
     -Xcompiler=-ffp-contract=off>)
 # Eigen with SIMD reorders sums and changes struct layouts with the instruction set: keep it scalar.
 target_compile_definitions(kt_flags INTERFACE EIGEN_DONT_VECTORIZE EIGEN_MAX_ALIGN_BYTES=16)
-target_link_libraries(kt_flags INTERFACE $<TARGET_NAME_IF_EXISTS:OpenMP::OpenMP_CXX> Threads::Threads)
+target_link_libraries(kt_flags INTERFACE Threads::Threads)
 if(KT_SANITIZE)
   target_compile_options(kt_flags INTERFACE
     $<$<COMPILE_LANGUAGE:CXX>:-fsanitize=${KT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all>)

@@ -1,13 +1,12 @@
 // kintsugi-eval: errors of a trajectory or of a mapped surface against ground truth.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
-#include <exception>
 #include <map>
+#include <optional>
 #include <string>
 
-#include "shared/core/check.h"
+#include "shared/cli/program.h"
 #include "shared/io/file.h"
 #include "shared/io/ply.h"
 #include "shared/io/trajectory_file.h"
@@ -64,7 +63,7 @@ struct TrajectoryCommand {
     const Trajectory truth = read_groundtruth(groundtruth), poses = read_trajectory(estimate);
     const AbsoluteTrajectoryError ate =
         absolute_trajectory_error(truth, poses, static_cast<int64_t>(max_difference_s * 1e6 + 0.5));
-    const RelativePoseError rpe = relative_pose_error(truth, poses, delta, unit);
+    const std::optional<RelativePoseError> rpe = relative_pose_error(truth, poses, delta, unit);
     if (!output.plot_file.empty()) plot_trajectory_error(ate, output.plot_file);
     output.print(trajectory_text(ate, rpe), trajectory_json(ate, rpe));
   }
@@ -104,9 +103,7 @@ struct SurfaceCommand {
   void run() const {
     Pose T_groundtruth_map = Pose::Identity();
     if (!align_estimate.empty()) {
-      T_groundtruth_map =
-          absolute_trajectory_error(read_groundtruth(align_groundtruth), read_trajectory(align_estimate))
-              .T_groundtruth_estimate;
+      T_groundtruth_map = align_poses(read_groundtruth(align_groundtruth), read_trajectory(align_estimate));
     }
     const Mesh truth = read_truth(groundtruth);
     const SurfaceError error = surface_error(read_ply(map), truth, seen.empty() ? truth : read_truth(seen),
@@ -116,29 +113,19 @@ struct SurfaceCommand {
   }
 };
 
-int run(int argc, char** argv) {
-  CLI::App app{"Compares what Kintsugi made with the truth."};
-  app.require_subcommand(1);
-  TrajectoryCommand trajectory;
-  SurfaceCommand surface;
-  CLI::App* trajectory_app = app.add_subcommand("trajectory", "absolute and relative error of a trajectory");
-  CLI::App* surface_app = app.add_subcommand("surface", "accuracy, completeness and F-score of a mesh");
-  trajectory.add_to(*trajectory_app);
-  surface.add_to(*surface_app);
-  CLI11_PARSE(app, argc, argv);
-  trajectory_app->parsed() ? trajectory.run() : surface.run();
-  return 0;
-}
-
 }  // namespace
 }  // namespace kt
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);  // a plotter that dies early is an error of the plot, not our end
-  try {
-    return kt::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "kintsugi-eval: %s\n", error.what());
-    return 1;
-  }
+  CLI::App app("Compares what Kintsugi made with the truth.", "kintsugi-eval");
+  app.require_subcommand(1);
+  kt::TrajectoryCommand trajectory;
+  kt::SurfaceCommand surface;
+  CLI::App* trajectory_app = app.add_subcommand("trajectory", "absolute and relative error of a trajectory");
+  CLI::App* surface_app = app.add_subcommand("surface", "accuracy, completeness and F-score of a mesh");
+  trajectory.add_to(*trajectory_app);
+  surface.add_to(*surface_app);
+  return kt::run_program(app, argc, argv,
+                         [&] { trajectory_app->parsed() ? trajectory.run() : surface.run(); });
 }

@@ -28,13 +28,17 @@ std::string statistics_line(const char* what, const Statistics& s, double factor
 
 }  // namespace
 
-nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate, const RelativePoseError& rpe) {
+nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate,
+                                       const std::optional<RelativePoseError>& rpe) {
   nlohmann::ordered_json json;
   json["ate"] = statistics_json(ate.translation_m, "m");
   json["ate"]["pairs"] = ate.samples.size();
-  json["rpe"]["translation"] = statistics_json(rpe.translation_m, "m");
-  json["rpe"]["rotation"] = statistics_json(rpe.rotation_deg, "deg");
-  json["rpe"]["pairs"] = rpe.pairs;
+  json["rpe"] = nullptr;
+  if (rpe) {
+    json["rpe"] = {{"translation", statistics_json(rpe->translation_m, "m")},
+                   {"rotation", statistics_json(rpe->rotation_deg, "deg")},
+                   {"pairs", rpe->pairs}};
+  }
   json["coverage"] = {{"estimate_paired_percent", 100 * ate.estimate_paired_share},
                       {"groundtruth_covered_percent", 100 * ate.groundtruth_covered_share}};
   return json;
@@ -52,10 +56,11 @@ nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErro
   return json;
 }
 
-std::string trajectory_text(const AbsoluteTrajectoryError& ate, const RelativePoseError& rpe) {
+std::string trajectory_text(const AbsoluteTrajectoryError& ate, const std::optional<RelativePoseError>& rpe) {
   return statistics_line("ATE", ate.translation_m, 1000, "mm") +
-         statistics_line("RPE translation", rpe.translation_m, 1000, "mm") +
-         statistics_line("RPE rotation", rpe.rotation_deg, 1, "deg") +
+         (rpe ? statistics_line("RPE translation", rpe->translation_m, 1000, "mm") +
+                    statistics_line("RPE rotation", rpe->rotation_deg, 1, "deg")
+              : line("%-22s –  (too few spans of --delta)\n", "RPE")) +
          line("%-22s %zu pairs, %.1f %% of the estimate's poses; %.1f %% of the ground truth is covered\n",
               "coverage", ate.samples.size(), 100 * ate.estimate_paired_share,
               100 * ate.groundtruth_covered_share);

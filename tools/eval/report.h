@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "tools/eval/surface_error.h"
@@ -11,13 +12,14 @@
 namespace kt {
 
 /// {"ate": {"rmse_m", ..., "pairs"}, "rpe": {"translation": {...}, "rotation": {...}, "pairs"}, "coverage":
-/// {...}}
-nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate, const RelativePoseError& rpe);
+/// {...}}; "rpe" is null where there is none
+nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate,
+                                       const std::optional<RelativePoseError>& rpe);
 /// {"accuracy": {"mean_m", ..., "share"}, "completeness": share, "completeness_distance": {...}, "f_score",
 /// ...}
 nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErrorOptions& options);
 
-std::string trajectory_text(const AbsoluteTrajectoryError& ate, const RelativePoseError& rpe);
+std::string trajectory_text(const AbsoluteTrajectoryError& ate, const std::optional<RelativePoseError>& rpe);
 std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& options);
 
 }  // namespace kt

@@ -6,15 +6,23 @@
 #include <cmath>
 
 #include "shared/core/check.h"
+#include "shared/core/parallel.h"
 #include "shared/core/rng.h"
 #include "tools/eval/triangle_tree.h"
 
 namespace kt {
 namespace {
 
-/// Points searched one after the other, each starting from the last one's triangle. Fixed, so that the work
+/// Points handled one after the other; a search starts from the last one's triangle. Fixed, so that the work
 /// of a point does not depend on the number of threads.
 constexpr int64_t kChunk = 1024;
+
+/// Calls work(begin, end) for every chunk of [0, count).
+template <typename Work>
+void for_each_chunk(int64_t count, int threads, const Work& work) {
+  for_each_in_parallel((count + kChunk - 1) / kChunk, threads,
+                       [&](int64_t chunk) { work(chunk * kChunk, std::min((chunk + 1) * kChunk, count)); });
+}
 
 Mesh transformed(Mesh mesh, const Pose& T) {
   for (Vec3f& p : mesh.vertices) {
@@ -32,7 +40,7 @@ double share_below(const std::vector<double>& distances_m, double threshold_m) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int64_t count, uint64_t seed) {
+std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int64_t count, uint64_t seed, int threads) {
   const auto corner = [&](size_t triangle, size_t k) {
     const Vec3f p = mesh.vertices[mesh.triangles[triangle][k]];
     return Eigen::Vector3d(p.x, p.y, p.z);
@@ -46,8 +54,7 @@ std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int64_t count, uin
   if (!(area > 0) || !std::isfinite(area)) throw Error("the surface has no area that could be sampled");
 
   std::vector<Eigen::Vector3d> points(static_cast<size_t>(count));
-#pragma omp parallel for schedule(static)
-  for (int64_t k = 0; k < count; ++k) {
+  const auto sample = [&](int64_t k) {
     const auto random = [&](uint64_t stream) {
       return random_uniform(seed, stream, static_cast<uint64_t>(k));
     };
@@ -58,23 +65,25 @@ std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int64_t count, uin
     const double r = std::sqrt(random(1)), s = random(2);
     points[static_cast<size_t>(k)] =
         (1 - r) * corner(i, 0) + r * (1 - s) * corner(i, 1) + r * s * corner(i, 2);
-  }
+  };
+  for_each_chunk(count, threads, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) sample(k);
+  });
   return points;
 }
 
-std::vector<double> distances_to_surface(const std::vector<Eigen::Vector3d>& points, const Mesh& mesh) {
-  const TriangleTree tree(mesh);
-  const int64_t count = static_cast<int64_t>(points.size());
+std::vector<double> distances_to_surface(const std::vector<Eigen::Vector3d>& points, const Mesh& mesh,
+                                         int threads) {
+  const TriangleTree tree(mesh, threads);
   std::vector<double> distances_m(points.size());
-#pragma omp parallel for schedule(dynamic, 4)
-  for (int64_t begin = 0; begin < count; begin += kChunk) {
+  for_each_chunk(static_cast<int64_t>(points.size()), threads, [&](int64_t begin, int64_t end) {
     uint32_t guess = 0;
-    for (int64_t i = begin; i < std::min(begin + kChunk, count); ++i) {
+    for (int64_t i = begin; i < end; ++i) {
       const TriangleTree::Nearest nearest = tree.nearest(points[static_cast<size_t>(i)], guess);
       distances_m[static_cast<size_t>(i)] = std::sqrt(nearest.squared_distance);
       guess = nearest.slot;
     }
-  }
+  });
   return distances_m;
 }
 
@@ -82,9 +91,10 @@ SurfaceError surface_error(const Mesh& map, const Mesh& groundtruth, const Mesh&
                            const Pose& T_groundtruth_map, const SurfaceErrorOptions& options) {
   const Mesh placed_map = transformed(map, T_groundtruth_map);
   SurfaceError result;
-  result.accuracy_distances_m =
-      distances_to_surface(sample_surface(placed_map, options.samples), groundtruth);
-  result.completeness_distances_m = distances_to_surface(sample_surface(seen, options.samples), placed_map);
+  result.accuracy_distances_m = distances_to_surface(
+      sample_surface(placed_map, options.samples, 0, options.threads), groundtruth, options.threads);
+  result.completeness_distances_m = distances_to_surface(
+      sample_surface(seen, options.samples, 0, options.threads), placed_map, options.threads);
   result.accuracy_m = summarise(result.accuracy_distances_m);
   result.completeness_m = summarise(result.completeness_distances_m);
   result.accurate_share = share_below(result.accuracy_distances_m, options.threshold_m);

@@ -15,14 +15,17 @@ namespace kt {
 /// `count` points spread evenly over the surface of `mesh`: sample k falls at a random spot of the k-th of
 /// `count` equal shares of the area, taken in the order of the triangles. Depends on mesh, count and seed
 /// alone. Throws kt::Error where the mesh has no area.
-std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int64_t count, uint64_t seed = 0);
+std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int64_t count, uint64_t seed = 0,
+                                            int threads = 0);
 
 /// Distance (m) of every point to the closest point on any triangle of `mesh`.
-std::vector<double> distances_to_surface(const std::vector<Eigen::Vector3d>& points, const Mesh& mesh);
+std::vector<double> distances_to_surface(const std::vector<Eigen::Vector3d>& points, const Mesh& mesh,
+                                         int threads = 0);
 
 struct SurfaceErrorOptions {
   double threshold_m = 0.02;    ///< what counts as matched
   int64_t samples = 1'000'000;  ///< on either surface
+  int threads = 0;              ///< 0 = one per core; results do not depend on it, here and below
 };
 
 struct SurfaceError {

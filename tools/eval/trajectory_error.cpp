@@ -80,17 +80,24 @@ double max_gap_us(const std::vector<int64_t>& stamps_us) {
   return intervals_us.empty() ? 0 : 2 * quantile(std::move(intervals_us), 0.5);
 }
 
+std::vector<StampPair> pair_stamps(const Trajectory& groundtruth, const Trajectory& estimate,
+                                   int64_t max_difference_us, size_t needed) {
+  std::vector<StampPair> pairs =
+      associate_stamps(stamps_of(groundtruth), stamps_of(estimate), max_difference_us);
+  if (pairs.size() < needed) {
+    throw Error("only " + std::to_string(pairs.size()) +
+                " poses of the estimate have a ground truth within " +
+                std::to_string(max_difference_us / 1000) + " ms; do the two trajectories share a clock?");
+  }
+  return pairs;
+}
+
 }  // namespace
 
 AbsoluteTrajectoryError absolute_trajectory_error(const Trajectory& groundtruth, const Trajectory& estimate,
                                                   int64_t max_difference_us) {
   const std::vector<int64_t> groundtruth_us = stamps_of(groundtruth), estimate_us = stamps_of(estimate);
-  const std::vector<StampPair> pairs = associate_stamps(groundtruth_us, estimate_us, max_difference_us);
-  if (pairs.size() < 3) {
-    throw Error("only " + std::to_string(pairs.size()) +
-                " poses of the estimate have a ground truth within " +
-                std::to_string(max_difference_us / 1000) + " ms; do the two trajectories share a clock?");
-  }
+  const std::vector<StampPair> pairs = pair_stamps(groundtruth, estimate, max_difference_us, 3);
   std::vector<Eigen::Vector3d> model, data;
   for (const StampPair& pair : pairs) {
     model.push_back(groundtruth[pair.first].T_odom_camera.translation());
@@ -117,8 +124,24 @@ AbsoluteTrajectoryError absolute_trajectory_error(const Trajectory& groundtruth,
   return result;
 }
 
-RelativePoseError relative_pose_error(const Trajectory& unsorted_groundtruth,
-                                      const Trajectory& unsorted_estimate, double delta, DeltaUnit unit) {
+Pose align_poses(const Trajectory& groundtruth, const Trajectory& estimate, int64_t max_difference_us) {
+  constexpr double kReach_m = 2;
+  std::vector<Eigen::Vector3d> model, data;
+  for (const StampPair& pair : pair_stamps(groundtruth, estimate, max_difference_us, 1)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double reach_m : {-kReach_m, kReach_m}) {
+        const Eigen::Vector3d p_camera = reach_m * Eigen::Vector3d::Unit(axis);
+        model.push_back(groundtruth[pair.first].T_odom_camera * p_camera);
+        data.push_back(estimate[pair.second].T_odom_camera * p_camera);
+      }
+    }
+  }
+  return align(model, data);
+}
+
+std::optional<RelativePoseError> relative_pose_error(const Trajectory& unsorted_groundtruth,
+                                                     const Trajectory& unsorted_estimate, double delta,
+                                                     DeltaUnit unit) {
   const Trajectory groundtruth = sorted(unsorted_groundtruth), estimate = sorted(unsorted_estimate);
   const std::vector<int64_t> groundtruth_us = stamps_of(groundtruth);
   const std::vector<double> positions = positions_along(estimate, unit);
@@ -141,10 +164,9 @@ RelativePoseError relative_pose_error(const Trajectory& unsorted_groundtruth,
     translations_m.push_back(error.translation().norm());
     rotations_deg.push_back(rotation_angle(error) * 180 / std::numbers::pi);
   }
-  if (translations_m.size() < 2) {
-    throw Error("fewer than two spans of the estimate have a ground truth; is it longer than the span?");
-  }
-  return {summarise(translations_m), summarise(rotations_deg), static_cast<int64_t>(translations_m.size())};
+  if (translations_m.size() < 2) return std::nullopt;
+  return RelativePoseError{summarise(translations_m), summarise(rotations_deg),
+                           static_cast<int64_t>(translations_m.size())};
 }
 
 }  // namespace kt

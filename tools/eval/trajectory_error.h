@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "shared/io/stamp_association.h"
@@ -32,6 +33,13 @@ struct AbsoluteTrajectoryError {
 AbsoluteTrajectoryError absolute_trajectory_error(const Trajectory& groundtruth, const Trajectory& estimate,
                                                   int64_t max_difference_us = kMaxStampDifference_us);
 
+/// The rigid T_groundtruth_estimate that fits whole poses, not centres alone: of each pose, the six points 2
+/// m along its axes. A short, straight or turning path determines it as well as a long one, and an
+/// orientation that is off weighs as it does on the surface that such a camera maps. Throws kt::Error where
+/// no poses pair.
+Pose align_poses(const Trajectory& groundtruth, const Trajectory& estimate,
+                 int64_t max_difference_us = kMaxStampDifference_us);
+
 enum class DeltaUnit { kSeconds, kMetres, kFrames };
 
 /// How far the motion over a fixed span is off.
@@ -42,8 +50,9 @@ struct RelativePoseError {
 
 /// Compares the estimate's motion over `delta` (time, path length or poses), from every pose on, with that of
 /// the closest ground-truth poses. Every pair counts: the benchmark's tool draws 10000 at random where there
-/// are more. Throws kt::Error where fewer than two pairs are left.
-RelativePoseError relative_pose_error(const Trajectory& groundtruth, const Trajectory& estimate,
-                                      double delta = 1, DeltaUnit unit = DeltaUnit::kSeconds);
+/// are more. Nothing where fewer than two pairs are left, as where the estimate is shorter than `delta`.
+std::optional<RelativePoseError> relative_pose_error(const Trajectory& groundtruth,
+                                                     const Trajectory& estimate, double delta = 1,
+                                                     DeltaUnit unit = DeltaUnit::kSeconds);
 
 }  // namespace kt

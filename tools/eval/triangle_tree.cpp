@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "shared/core/check.h"
+#include "shared/core/parallel.h"
 
 namespace kt {
 namespace {
@@ -46,7 +47,7 @@ double squared_distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vecto
                    squared_distance_to_segment(p, c, a)});
 }
 
-TriangleTree::TriangleTree(const Mesh& mesh) {
+TriangleTree::TriangleTree(const Mesh& mesh, int threads) {
   const size_t count = mesh.triangles.size();
   if (count == 0) throw Error("the mesh has no triangles, distances to its surface cannot be measured");
   KT_CHECK(count < std::numeric_limits<uint32_t>::max() / 2);
@@ -58,9 +59,7 @@ TriangleTree::TriangleTree(const Mesh& mesh) {
   }
   triangles_.resize(count);
   nodes_.resize(node_count(count));
-#pragma omp parallel
-#pragma omp single
-  build(mesh, items, 0, count, 0);
+  build(mesh, items, 0, count, 0, thread_count(threads));
 }
 
 /// Nodes of a subtree follow from its size alone, so both halves can be built at once in places known
@@ -70,7 +69,8 @@ size_t TriangleTree::node_count(size_t triangles) {
   return 1 + node_count(triangles / 2) + node_count(triangles - triangles / 2);
 }
 
-void TriangleTree::build(const Mesh& mesh, std::vector<Item>& items, size_t begin, size_t end, size_t node) {
+void TriangleTree::build(const Mesh& mesh, std::vector<Item>& items, size_t begin, size_t end, size_t node,
+                         int threads) {
   const size_t count = end - begin;
   if (count <= kLeafSize) {
     Node leaf{mesh.vertices[mesh.triangles[items[begin].triangle][0]],
@@ -107,10 +107,13 @@ void TriangleTree::build(const Mesh& mesh, std::vector<Item>& items, size_t begi
   });
 
   const size_t left = node + 1, right = left + node_count(middle - begin);
-#pragma omp task shared(mesh, items) if (count > 20000)
-  build(mesh, items, begin, middle, left);
-  build(mesh, items, middle, end, right);
-#pragma omp taskwait
+  // Each half gets half of the threads.
+  for_each_in_parallel(2, std::min(threads, 2), [&](int64_t half) {
+    if (half == 0)
+      build(mesh, items, begin, middle, left, std::max(1, threads / 2));
+    else
+      build(mesh, items, middle, end, right, std::max(1, threads - threads / 2));
+  });
   const Node &l = nodes_[left], &r = nodes_[right];
   nodes_[node] = {{std::min(l.low.x, r.low.x), std::min(l.low.y, r.low.y), std::min(l.low.z, r.low.z)},
                   {std::max(l.high.x, r.high.x), std::max(l.high.y, r.high.y), std::max(l.high.z, r.high.z)},

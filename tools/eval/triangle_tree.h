@@ -18,7 +18,8 @@ double squared_distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vecto
 class TriangleTree {
  public:
   /// Copies what it needs; throws kt::Error where the mesh has no triangles. Memory: 56 bytes per triangle.
-  explicit TriangleTree(const Mesh& mesh);
+  /// `threads` (0 = one per core) build it; the tree does not depend on it.
+  explicit TriangleTree(const Mesh& mesh, int threads = 0);
 
   struct Nearest {
     double squared_distance = 0;  ///< m^2
@@ -41,7 +42,7 @@ class TriangleTree {
     uint32_t triangle;
   };
   static size_t node_count(size_t triangles);
-  void build(const Mesh& mesh, std::vector<Item>& items, size_t begin, size_t end, size_t node);
+  void build(const Mesh& mesh, std::vector<Item>& items, size_t begin, size_t end, size_t node, int threads);
 
   std::vector<Node> nodes_;
   std::vector<Triangle> triangles_;  ///< in the order of the leaves

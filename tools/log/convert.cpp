@@ -41,9 +41,17 @@ void refuse_existing(const std::filesystem::path& to, const ConvertOptions& opti
 
 std::string count_text(int64_t count, const char* what) { return std::to_string(count) + " " + what; }
 
+std::string done_text(const std::filesystem::path& to, const Calibration& calibration, int64_t frames) {
+  return to.string() + ": camera " + calibration.name + ", " + count_text(frames, "frames");
+}
+
 std::string source_to_log(const std::string& from, const std::filesystem::path& to,
                           const ConvertOptions& options, const FrameProgress& progress) {
-  const std::unique_ptr<FrameSource> source = open_source(from);
+  if (to.extension() != ".lcm") {
+    throw Error(from + " becomes a log of raw frames: name a target that ends in .lcm instead of " +
+                to.string() + "; poses and folders are made from a log");
+  }
+  const std::unique_ptr<FrameSource> source = open_source(from, options.calibration);
   std::optional<EventLogWriter> log;
   int64_t frames = 0, skipped = 0;
   std::string first_reason;
@@ -67,7 +75,7 @@ std::string source_to_log(const std::string& from, const std::filesystem::path& 
   }
   if (!log) throw Error(from + " holds no usable frame; the first was left out because: " + first_reason);
   log->close();
-  std::string text = to.string() + ": " + count_text(frames, "frames");
+  std::string text = done_text(to, source->calibration(), frames);
   if (skipped > 0) text += ", " + count_text(skipped, "skipped (the first: ") + first_reason + ")";
   return text;
 }
@@ -157,7 +165,7 @@ std::string log_to_folder(const std::string& from, const std::filesystem::path& 
                 "): for its poses name a .txt file as the target");
   }
   folder->finish(*calibration);
-  return to.string() + ": " + count_text(frames, "frames; log: ") + integrity_text(reader.integrity());
+  return done_text(to, *calibration, frames) + "; log: " + integrity_text(reader.integrity());
 }
 
 }  // namespace
@@ -165,6 +173,7 @@ std::string log_to_folder(const std::string& from, const std::filesystem::path& 
 std::string convert(const std::string& from, const std::filesystem::path& to, const ConvertOptions& options,
                     const FrameProgress& progress) {
   if (is_source(from)) return source_to_log(from, to, options, progress);
+  if (options.calibration) throw Error("--calibration is for sources: the log " + from + " holds its own");
   if (to.extension() == ".txt") return log_to_trajectory(from, to, options);
   if (to.extension() == ".lcm") {
     throw Error(

@@ -5,15 +5,18 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
+#include "shared/types/calibration.h"
 #include "shared/wire/frame_codec.h"
 
 namespace kt {
 
 struct ConvertOptions {
-  FrameCompression compression{};  ///< of frames that go into a log
-  bool overwrite = false;          ///< replace what stands at the target
+  FrameCompression compression{};            ///< of frames that go into a log
+  bool overwrite = false;                    ///< replace what stands at the target
+  std::optional<Calibration> calibration{};  ///< of a source, in place of its own
 };
 
 /// Frames done, and in all (-1 where nobody knows).
@@ -24,9 +27,9 @@ using FrameProgress = std::function<void(int64_t done, int64_t total)>;
 ///   a log of a mission                ->  FILE.txt, its poses as a TUM trajectory
 ///   a log of raw frames               ->  any other name: a TUM folder (rgb/, depth/, rgb.txt, depth.txt,
 ///   calibration.yaml)
-/// Images of a log go to the folder byte by byte. Returns one line that says what was done and what was left
-/// out. Throws kt::Error where `from` cannot be read, holds nothing of the kind asked for, or `to` cannot be
-/// written.
+/// Images of a log go to the folder byte by byte. Returns one line that says what was done, with which
+/// camera, and what was left out. Throws kt::Error where `from` cannot be read, holds nothing of the kind
+/// asked for, or `to` cannot be written.
 std::string convert(const std::string& from, const std::filesystem::path& to, const ConvertOptions& options,
                     const FrameProgress& progress = {});
 

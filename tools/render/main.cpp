@@ -1,14 +1,13 @@
 // kintsugi-render: a picture of a map, without a screen.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cstdio>
-#include <exception>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "shared/cli/program.h"
 #include "shared/core/check.h"
 #include "shared/io/image_file.h"
 #include "shared/io/ply.h"
@@ -94,8 +93,8 @@ void run(Options& options) {
 
 int main(int argc, char** argv) {
   kt::Options options;
-  CLI::App app(
-      "Draws a map as a picture. Surfaces that turn their back are left out, so that rooms open up.");
+  CLI::App app("Draws a map as a picture. Surfaces that turn their back are left out, so that rooms open up.",
+               "kintsugi-render");
   app.add_option("map", options.map, "mesh to draw (.ply)")->required();
   app.add_option("picture", options.picture, "picture to write (.png or .jpg)")->required();
   app.add_option("--view", options.view.name, "iso (from above a corner), top, or inside (from the origin)")
@@ -117,12 +116,5 @@ int main(int argc, char** argv) {
   app.add_option("--background", options.background, "dark or white")
       ->check(CLI::IsMember({"dark", "white"}))
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    kt::run(options);
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "kintsugi-render: %s\n", error.what());
-    return 1;
-  }
+  return kt::run_program(app, argc, argv, [&] { kt::run(options); });
 }

@@ -1,35 +1,11 @@
 // kintsugi-synth: makes a synthetic mission with exact ground truth as a TUM-format folder.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <string>
-#include <unistd.h>
 
+#include "shared/cli/program.h"
+#include "shared/cli/progress_line.h"
 #include "tools/synth/mission_folder.h"
-
-namespace {
-
-// One line on a terminal, drawn over and over; elsewhere a line per tenth.
-class ProgressLine {
- public:
-  ProgressLine(std::string name, int64_t total) : name_(std::move(name)), total_(total) {}
-  void operator()(int64_t done) {
-    const int64_t percent = 100 * done / total_, step = terminal_ ? 1 : 10;
-    if (percent / step == shown_ && done != total_) return;
-    shown_ = percent / step;
-    std::fprintf(stderr, "%ssynthetic %s: frame %lld of %lld (%lld %%)%s", terminal_ ? "\r" : "",
-                 name_.c_str(), static_cast<long long>(done), static_cast<long long>(total_),
-                 static_cast<long long>(percent), terminal_ && done != total_ ? "" : "\n");
-  }
-
- private:
-  std::string name_;
-  int64_t total_, shown_ = -1;
-  bool terminal_ = isatty(STDERR_FILENO);
-};
-
-}  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app("Makes a synthetic RGB-D mission with exact ground truth as a TUM-format folder.",
@@ -54,16 +30,15 @@ int main(int argc, char** argv) {
   app.add_option("--threads", threads, "frames made at a time; 0 = one per core, same files for any number")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
 
-  try {
+  return kt::run_program(app, argc, argv, [&] {
     if (list) {
       for (const auto& [mission_name, summary] : kt::synthetic_missions()) {
         const kt::SyntheticMission mission(mission_name);
         std::printf("%-15s %5lld frames  %s\n", mission_name.c_str(),
                     static_cast<long long>(mission.frame_count()), summary.c_str());
       }
-      return 0;
+      return;
     }
     if (name.empty() || folder.empty())
       throw kt::Error("give a mission's NAME and the DIR to write; --help explains");
@@ -72,14 +47,15 @@ int main(int argc, char** argv) {
     if (frames > 0) options.frames = frames;
     options.threads = 1;  // whole frames run in parallel instead
     const kt::SyntheticMission mission(name, options);
-    kt::write_mission_frames(mission, folder, threads, ProgressLine(name, mission.frame_count()));
+    const int64_t total = mission.frame_count();
+    kt::ProgressLine progress;
+    kt::write_mission_frames(mission, folder, threads, [&](int64_t done) {
+      progress.show(static_cast<double>(done) / static_cast<double>(total),
+                    "synthetic " + name + ": frame " + std::to_string(done) + " of " + std::to_string(total));
+    });
     if (!no_surface) {
       std::fprintf(stderr, "synthetic %s: surface\n", name.c_str());
       kt::write_mission_surface(mission, folder);
     }
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "kintsugi-synth: %s\n", error.what());
-    return 1;
-  }
+  });
 }

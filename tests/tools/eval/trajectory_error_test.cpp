@@ -12,6 +12,7 @@
 #include "shared/io/trajectory_file.h"
 #include "tests/support/test_files.h"
 #include "tools/eval/groundtruth.h"
+#include "tools/eval/report.h"
 
 namespace kt {
 namespace {
@@ -103,11 +104,12 @@ TEST(RelativePoseError, AConstantDriftShowsPerSpan) {
                                 (truth[i - 1].T_odom_camera.inverse() * truth[i].T_odom_camera) * extra;
   }
   const auto rpe = relative_pose_error(truth, estimate, 1, DeltaUnit::kFrames);
-  EXPECT_EQ(rpe.pairs, 298);  // all but the last two: a span that ends at the last pose may be cut short
-  EXPECT_NEAR(rpe.rotation_deg.mean, drift_rad * 180 / std::numbers::pi, 1e-9);
-  EXPECT_NEAR(rpe.rotation_deg.max, drift_rad * 180 / std::numbers::pi, 1e-6);
-  EXPECT_LT(rpe.translation_m.max, 1e-9 + 2 * drift_rad);
-  EXPECT_LT(relative_pose_error(truth, moved(truth, kElsewhere)).translation_m.max, 1e-11);
+  ASSERT_TRUE(rpe.has_value());
+  EXPECT_EQ(rpe->pairs, 298);  // all but the last two: a span that ends at the last pose may be cut short
+  EXPECT_NEAR(rpe->rotation_deg.mean, drift_rad * 180 / std::numbers::pi, 1e-9);
+  EXPECT_NEAR(rpe->rotation_deg.max, drift_rad * 180 / std::numbers::pi, 1e-6);
+  EXPECT_LT(rpe->translation_m.max, 1e-9 + 2 * drift_rad);
+  EXPECT_LT(relative_pose_error(truth, moved(truth, kElsewhere)).value().translation_m.max, 1e-11);
 }
 
 /// The definition with linear searches, seconds in double.
@@ -149,19 +151,65 @@ TEST(RelativePoseError, AgreesWithASlowOracle) {
   truth.erase(truth.begin() + 150, truth.begin() + 170);  // a hole that no pair may bridge
   const std::vector<double> expected_m = slow_relative_errors(truth, estimate, 1, 2 * 0.033333);
   const auto rpe = relative_pose_error(truth, estimate);
-  EXPECT_EQ(rpe.pairs, static_cast<int64_t>(expected_m.size()));
+  ASSERT_TRUE(rpe.has_value());
+  EXPECT_EQ(rpe->pairs, static_cast<int64_t>(expected_m.size()));
   const Statistics expected = summarise(expected_m);
   EXPECT_GT(expected.rmse, 0.005);
-  EXPECT_NEAR(rpe.translation_m.rmse, expected.rmse, 1e-12);
-  EXPECT_NEAR(rpe.translation_m.max, expected.max, 1e-12);
+  EXPECT_NEAR(rpe->translation_m.rmse, expected.rmse, 1e-12);
+  EXPECT_NEAR(rpe->translation_m.max, expected.max, 1e-12);
 }
 
 TEST(RelativePoseError, SpansMayBeMetresOfPath) {
   const Trajectory truth = curl(400);
-  EXPECT_LT(relative_pose_error(truth, truth, 0.5, DeltaUnit::kMetres).translation_m.max, 1e-12);
-  EXPECT_GT(relative_pose_error(truth, truth, 0.5, DeltaUnit::kMetres).pairs, 100);
-  EXPECT_THAT(error_of([&] { relative_pose_error(truth, truth, 1000, DeltaUnit::kMetres); }),
-              HasSubstr("longer than the span"));
+  EXPECT_LT(relative_pose_error(truth, truth, 0.5, DeltaUnit::kMetres).value().translation_m.max, 1e-12);
+  EXPECT_GT(relative_pose_error(truth, truth, 0.5, DeltaUnit::kMetres).value().pairs, 100);
+}
+
+TEST(RelativePoseError, IsNoneWhereTheEstimateIsShorterThanTheSpan) {
+  const Trajectory truth = curl(20);
+  EXPECT_FALSE(relative_pose_error(truth, truth, 1, DeltaUnit::kSeconds).has_value());
+  EXPECT_FALSE(relative_pose_error(truth, truth, 1000, DeltaUnit::kMetres).has_value());
+  EXPECT_FALSE(relative_pose_error({}, {}).has_value());
+
+  const auto ate = absolute_trajectory_error(truth, truth);
+  EXPECT_TRUE(trajectory_json(ate, std::nullopt)["rpe"].is_null());
+  EXPECT_TRUE(trajectory_json(ate, std::nullopt)["ate"]["rmse_m"].is_number());
+  EXPECT_THAT(trajectory_text(ate, std::nullopt), HasSubstr("RPE                    –"));
+}
+
+/// A camera that turns on the spot, and one that flies straight on without turning.
+std::vector<Trajectory> paths_of_no_extent() {
+  Trajectory turning, straight;
+  for (int i = 0; i < 60; ++i) {
+    StampedPose pose{.sequence = i, .timestamp_us = i * 33'333};
+    pose.T_odom_camera.linear() = exp_so3({0, 0.01 * i, 0});
+    turning.push_back(pose);
+    pose.T_odom_camera = Pose::Identity();
+    pose.T_odom_camera.translation().z() = 0.01 * i;
+    straight.push_back(pose);
+  }
+  return {turning, straight};
+}
+
+TEST(AlignPoses, TurningAndStraightPathsFixTheOrientationToo) {
+  for (const Trajectory& truth : paths_of_no_extent()) {
+    Trajectory estimate = moved(truth, kElsewhere);
+    for (size_t i = 0; i < estimate.size(); ++i) {  // a tenth of a millimetre of noise
+      for (int k = 0; k < 3; ++k)
+        estimate[i].T_odom_camera.translation()[k] += 1e-4 * random_normal(3, static_cast<uint64_t>(k), i);
+    }
+    const Pose error = align_poses(truth, estimate) * kElsewhere;
+    EXPECT_LT(rotation_angle(error), 1e-4);
+    EXPECT_LT(error.translation().norm(), 1e-4);
+  }
+}
+
+TEST(AlignPoses, IsExactForAMovedTrajectoryAndNeedsOnePose) {
+  const Trajectory truth = curl(50);
+  EXPECT_TRUE(align_poses(truth, moved(truth, kElsewhere)).isApprox(kElsewhere.inverse(), 1e-12));
+  const Trajectory one(truth.begin() + 7, truth.begin() + 8);
+  EXPECT_TRUE(align_poses(truth, moved(one, kElsewhere)).isApprox(kElsewhere.inverse(), 1e-9));
+  EXPECT_THAT(error_of([&] { align_poses(truth, {}); }), HasSubstr("share a clock"));
 }
 
 TEST(AbsoluteTrajectoryError, GivesTheBenchmarksPublishedResults) {

@@ -13,7 +13,7 @@ SOUND_TREE = {
     "shared/core/check.h": "#include <string>\n",
     "shared/geometry/se3.h": '#include <Eigen/Core>\n\n#include "shared/core/check.h"\n',
     "shared/exec/for_each.cuh": '#include <cuda_runtime.h>\n\n#include "shared/core/check.h"\n',
-    "shared/wire/codec.cpp": '#include <lcm/lcm-cpp.hpp>\n\n#include "shared/geometry/se3.h"\n',
+    "shared/wire/codec.cpp": '#include <kintsugi/pose_t.hpp>\n#include <lcm/lcm-cpp.hpp>\n\n#include "shared/geometry/se3.h"\n',
     "onboard/fusion/fuse_kernel.h": '#include "shared/core/check.h"\n',
     "onboard/app/collector.cpp": '#include "onboard/fusion/fuse_kernel.h"\n#include "shared/wire/codec.h"\n',
     "offboard/pose_graph/solve.cpp": "#include <ceres/ceres.h>\n",
@@ -58,7 +58,8 @@ class CheckLayersTest(unittest.TestCase):
         self.assert_only_fault({"onboard/app/main.cpp": text}, "onboard/app/main.cpp:3", "offboard/session")
 
     def test_libraries_stay_at_their_edges(self):
-        for include, folder in (("lcm/lcm.h", "onboard/publish"), ("ceres/ceres.h", "onboard/loops"),
+        for include, folder in (("lcm/lcm.h", "onboard/publish"), ("kintsugi/pose_t.hpp", "onboard/publish"),
+                                ("ceres/ceres.h", "onboard/loops"),
                                 ("pcl/point_cloud.h", "tools/eval"), ("cuda_runtime.h", "onboard/fusion")):
             with self.subTest(include=include):
                 text = OPENING + f"#include <{include}>\n"

@@ -44,9 +44,10 @@ void write_tum_folder(const std::filesystem::path& folder) {
   write_calibration(folder / "calibration.yaml", calibration);
 }
 
-std::string error_of(const std::string& from, const std::filesystem::path& to) {
+std::string error_of(const std::string& from, const std::filesystem::path& to,
+                     const ConvertOptions& options = {}) {
   try {
-    convert(from, to, {});
+    convert(from, to, options);
   } catch (const Error& error) {
     return error.what();
   }
@@ -136,6 +137,32 @@ TEST(Convert, RefusesWhatTheLogDoesNotHold) {
   EXPECT_FALSE(std::filesystem::exists(scratch / "folder"));
 }
 
+TEST(Convert, ASourceBecomesALogAndNothingElse) {
+  const ScratchDir scratch;
+  write_tum_folder(scratch / "tum");
+  const std::string source = "tum:" + (scratch / "tum").string();
+  for (const char* target : {"trajectory.txt", "folder"}) {
+    EXPECT_NE(error_of(source, scratch / target).find(".lcm"), std::string::npos);
+    EXPECT_FALSE(std::filesystem::exists(scratch / target));
+  }
+}
+
+TEST(Convert, ACalibrationTakesThePlaceOfTheSourcesOwnAndIsNamed) {
+  const ScratchDir scratch;
+  write_tum_folder(scratch / "tum");
+  const std::string source = "tum:" + (scratch / "tum").string(), log = (scratch / "raw.lcm").string();
+  EXPECT_NE(convert(source, log, {}).find("camera small"), std::string::npos);
+  Calibration other = read_calibration(scratch / "tum" / "calibration.yaml");
+  other.name = "another camera";
+  other.depth.fx = 77;
+  const std::string done = convert(source, log, {.overwrite = true, .calibration = other});
+  EXPECT_NE(done.find("camera another camera"), std::string::npos) << done;
+  convert(log, scratch / "folder", {});
+  EXPECT_EQ(read_calibration(scratch / "folder" / "calibration.yaml").depth.fx, 77);
+  EXPECT_NE(error_of(log, scratch / "t.txt", {.calibration = other}).find("--calibration"),
+            std::string::npos);
+}
+
 TEST(Convert, OverwritesOnlyWhenAsked) {
   const ScratchDir scratch;
   write_tum_folder(scratch / "tum");
@@ -150,7 +177,8 @@ TEST(Convert, OverwritesOnlyWhenAsked) {
 TEST(Convert, FullDiskIsAnError) {
   const ScratchDir scratch;
   write_tum_folder(scratch / "tum");
-  EXPECT_NE(error_of("tum:" + (scratch / "tum").string(), "/dev/full").find("No space left"),
+  std::filesystem::create_symlink("/dev/full", scratch / "full.lcm");
+  EXPECT_NE(error_of("tum:" + (scratch / "tum").string(), scratch / "full.lcm").find("No space left"),
             std::string::npos);
 }
 

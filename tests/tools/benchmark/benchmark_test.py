@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+# Figures and promises of tools/benchmark, from made-up reports; the e2e tests run it with the real programs.
+# SPDX-License-Identifier: BSD-3-Clause
+import copy
+import subprocess
+import sys
+import tempfile
+import unittest
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_loader
+from pathlib import Path
+
+TOOL = Path(__file__).resolve().parents[3] / "tools" / "benchmark"
+sys.dont_write_bytecode = True
+benchmark = module_from_spec(spec_from_loader("benchmark", SourceFileLoader("benchmark", str(TOOL))))
+sys.modules["benchmark"] = benchmark
+benchmark.__loader__.exec_module(benchmark)
+
+TIMES = {"p50_ms": 60.0, "p95_ms": 70.0, "max_ms": 90.0, "count": 600}
+GOOD = {
+    "collect": {"frames": 601, "tracked_share": 1.0, "process": TIMES, "stages": {"track": TIMES}, "peak_memory_mb": 300.4},
+    "trajectory": {"ate": {"rmse_m": 0.004}, "rpe": {"translation": {"rmse_m": 0.002}, "rotation": {"rmse_deg": 0.1}}},
+    "surface": {"accuracy": {"mean_m": 0.002}, "completeness": 0.97, "f_score": 0.98},
+}
+
+
+def sequence(name, **changes):
+    return benchmark.Sequence(name, "tum:x", "x", results=copy.deepcopy(GOOD) | changes)
+
+
+class BenchmarkTest(unittest.TestCase):
+    def verdicts(self, sequences, cores=2):
+        return {(row[0], row[1]): row[4] for row in benchmark.check_promises(sequences, cores)}
+
+    def test_promises_kept(self):
+        verdicts = self.verdicts([sequence("room"), sequence("redkitchen"), sequence("fr1_xyz_260"), sequence("other")])
+        self.assertEqual(len(verdicts), len(benchmark.PROMISES))
+        self.assertEqual(set(verdicts.values()), {"kept"})
+
+    def test_each_promise_can_be_broken(self):
+        bad = {"trajectory": {"ate": {"rmse_m": 0.0281}, "rpe": None},
+               "surface": {"accuracy": {"mean_m": 0.009}, "completeness": 0.94, "f_score": 0.9},
+               "collect": GOOD["collect"] | {"tracked_share": 0.999, "process": TIMES | {"p50_ms": 81}}}
+        verdicts = self.verdicts([sequence(name, **bad) for name in ("room", "redkitchen", "fr1_xyz_260")])
+        self.assertEqual(len(verdicts), len(benchmark.PROMISES))
+        self.assertEqual(set(verdicts.values()), {"**broken**"})
+
+    def test_a_promised_figure_that_is_missing_breaks_the_promise(self):
+        verdicts = self.verdicts([sequence("room", surface=None)])
+        self.assertEqual(verdicts["room", "accuracy mm"], "**broken**")
+
+    def test_speed_is_promised_on_two_cores(self):
+        self.assertNotIn(("room", "median frame ms"), self.verdicts([sequence("room")], cores=1))
+
+    def test_a_renamed_key_is_an_error_but_null_is_a_dash(self):
+        renamed = copy.deepcopy(GOOD)
+        renamed["trajectory"]["ate"] = {"root_mean_square_m": 0.004}
+        with self.assertRaisesRegex(LookupError, "trajectory.ate.rmse_m"):
+            benchmark.figures(renamed)
+        short = copy.deepcopy(GOOD)
+        short["trajectory"]["rpe"] = None
+        self.assertEqual(benchmark.figures(short)["trajectory"]["RPE mm"], benchmark.DASH)
+        self.assertEqual(benchmark.figures(short)["trajectory"]["ATE mm"], "4.0")
+
+    def test_the_page(self):
+        page = benchmark.document([sequence("room"), sequence("a", surface=None, trajectory=None)],
+                                  benchmark.check_promises([sequence("room")], 2), "1.2", ["--threads", "2"])
+        self.assertIn("| room | completeness % | ≥ 95 | 97.0 | kept |", page)
+        self.assertIn("| a | 601 | 100.0 | – | – | – |", page)
+        self.assertIn("| sequence | p50 | p95 | max | track | peak MiB |", page)
+        self.assertIn("| room | 60.0 | 70.0 | 90.0 | 60.0 | 300 |", page)
+
+    def test_the_page_of_a_recording_without_promises_and_surface(self):
+        page = benchmark.document([sequence("a", surface=None)], [], "1.2", [])
+        self.assertIn("None of the sequences has such figures.\n\n## Trajectory", page)
+        self.assertIn("None of the sequences has such figures.\n\n## Speed", page)
+
+    def test_writes_nothing_where_nothing_succeeded(self):
+        with tempfile.TemporaryDirectory() as folder:
+            recording, output = Path(folder) / "recording", Path(folder) / "page.md"
+            recording.mkdir()
+            (recording / "depth.txt").write_text("")
+            (Path(folder) / "kintsugi-collect").symlink_to("/bin/false")
+            run = subprocess.run([sys.executable, TOOL, recording, "--bin", folder, "--output", output, "--work", folder],
+                                 capture_output=True, text=True, check=False)
+            self.assertEqual(run.returncode, 1, run.stderr)
+            self.assertIn("nothing was written", run.stderr.splitlines()[-1])
+            self.assertFalse(output.exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
