@@ -7,9 +7,9 @@
 
 namespace kt {
 
-/// One node per pose (its id is the frame's sequence, the first is fixed), one edge from each pose to the
-/// next with the information that the collector gave it, and one for each accepted loop closure between poses
-/// that are there.
+/// One node per pose (its id is the frame's sequence, the first is fixed), one edge to each pose from the
+/// one it was measured against (the one before, where the log has lost that) with the information that the
+/// collector gave it, and one for each accepted loop closure between poses that are there.
 PoseGraph odometry_graph(const Session& session);
 
 }  // namespace kt

@@ -10,7 +10,7 @@ Collector::Collector(const exec::Device& device, const Calibration& calibration,
                      const CollectorConfig& config, MessageSink& sink)
     : sink_(sink),
       preprocessor_(device, calibration, config.preprocess),
-      tracker_(device, calibration.depth.pinhole(), config.tracking),
+      odometry_(device, calibration.depth.pinhole(), config.tracking),
       volume_(device, calibration.depth.pinhole(), config.volume) {}
 
 FrameReport Collector::process(const RgbdFrame& frame) {
@@ -18,9 +18,11 @@ FrameReport Collector::process(const RgbdFrame& frame) {
     FrameReport report;
     const FrameMaps& maps =
         clock_.measure("preprocess", [&]() -> const FrameMaps& { return preprocessor_.process(frame); });
-    report.track = clock_.measure("track", [&] { return track(maps); });
-    publish_pose(frame, report.track, &report);
-    if (report.track.status != TrackingStatus::kGood) return report;  // doubtful frames are never fused
+    report.pose = clock_.measure(
+        "track", [&] { return odometry_.track(maps, model_, frame.sequence, frame.timestamp_us); });
+    report.track = odometry_.last_result();
+    publish_pose(report.pose);
+    if (report.pose.status != TrackingStatus::kGood) return report;  // doubtful frames are never fused
 
     const Pose& T_odom_camera = report.pose.T_odom_camera;
     std::optional<CloudSlice> slice = clock_.measure("shift", [&] { return volume_.follow(T_odom_camera); });
@@ -34,40 +36,12 @@ FrameReport Collector::process(const RgbdFrame& frame) {
   });
 }
 
-TrackResult Collector::track(const FrameMaps& maps) {
-  TrackResult first;
-  first.status = TrackingStatus::kGood;
-  if (!model_) return first;
-  TrackResult result = tracker_.track(maps, *model_, T_odom_last_ * T_last_next_, T_odom_last_);
-  if (result.status != TrackingStatus::kGood) {
-    // The motion model may be what is wrong: a camera that stopped or turned round.
-    TrackResult again = tracker_.track(maps, *model_, T_odom_last_, T_odom_last_);
-    if (again.status < result.status) result = again;
-  }
-  return result;
-}
-
-void Collector::publish_pose(const RgbdFrame& frame, const TrackResult& track, FrameReport* report) {
-  StampedPose& pose = report->pose;
-  pose.sequence = frame.sequence;
-  pose.timestamp_us = frame.timestamp_us;
-  pose.status = track.status;
-  pose.T_odom_camera = track.status == TrackingStatus::kLost ? T_odom_last_ : track.T_odom_camera;
-  if (model_ && track.status != TrackingStatus::kLost) {
-    // The tracker's information is about T_model_current; the edge is T_last_current = T_last_model *
-    // T_model_current.
-    const Matrix6d to_model = adjoint(model_->T_odom_camera.inverse() * T_odom_last_);
-    pose.information = to_model.transpose() * track.information * to_model;
-  }
-  T_last_next_ =
-      track.status == TrackingStatus::kGood ? T_odom_last_.inverse() * pose.T_odom_camera : Pose::Identity();
-  T_odom_last_ = pose.T_odom_camera;
-
+void Collector::publish_pose(const StampedPose& pose) {
   ++status_.frames;
   ++(pose.status == TrackingStatus::kGood        ? status_.frames_good
      : pose.status == TrackingStatus::kUncertain ? status_.frames_uncertain
                                                  : status_.frames_lost);
-  status_.timestamp_us = frame.timestamp_us;
+  status_.timestamp_us = pose.timestamp_us;
   status_.tracking = pose.status;
   sink_.on_pose(pose);
 }
@@ -89,7 +63,7 @@ void Collector::publish_status() {
 
 void Collector::finish() {
   CloudSlice slice = volume_.flush();
-  slice.T_odom_camera = T_odom_last_;
+  slice.T_odom_camera = odometry_.last_good().T_odom_camera;
   model_ = nullptr;
   publish_slice(std::move(slice), status_.timestamp_us);
 }

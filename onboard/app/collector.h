@@ -7,6 +7,7 @@
 #include "onboard/app/collector_config.h"
 #include "onboard/app/stage_clock.h"
 #include "onboard/publish/message_sink.h"
+#include "onboard/tracking/odometry.h"
 #include "shared/types/session.h"
 
 namespace kt {
@@ -14,7 +15,7 @@ namespace kt {
 /// What became of one frame.
 struct FrameReport {
   StampedPose pose;
-  TrackResult track;     ///< of the first frame: zero but for status and pose
+  TrackResult track;     ///< what the tracker found; of the first frame: zero but for status and pose
   bool shifted = false;  ///< the volume moved
 };
 
@@ -38,18 +39,15 @@ class Collector {
   void reset_clock() { clock_ = {}; }
 
  private:
-  TrackResult track(const FrameMaps& maps);
-  void publish_pose(const RgbdFrame& frame, const TrackResult& track, FrameReport* report);
+  void publish_pose(const StampedPose& pose);
   void publish_slice(CloudSlice slice, int64_t timestamp_us);
   void publish_status();
 
   MessageSink& sink_;
   Preprocessor preprocessor_;
-  Tracker tracker_;
+  Odometry odometry_;
   TsdfVolume volume_;
-  const ModelView* model_ = nullptr;     // null before the first fused frame
-  Pose T_odom_last_ = Pose::Identity();  // last pose published
-  Pose T_last_next_ = Pose::Identity();  // motion that the next frame is expected to repeat
+  const ModelView* model_ = nullptr;  // null before the first fused frame
   MissionStatus status_;
   StageClock clock_;
 };

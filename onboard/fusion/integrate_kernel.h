@@ -210,12 +210,14 @@ struct FuseRow {
                                   static_cast<uint16_t>(new_weight[x] | flag)};
     }
     for (int x = 0; x < kN; ++x) {
-      if (fused[x] && sdf[x] < volume.truncation_m)
+      if (fused[x] && fabsf(sdf[x]) < kColourVoxels * volume.voxel_size_m)
         fuse_colour(pixels[pixel_index[x]].rgba, w_new[x], &volume.colours[first + x]);
     }
   }
 
  private:
+  // Vertices lie within one voxel of those that give them colour; the rest is for noise.
+  static constexpr float kColourVoxels = 2.0f;
   static constexpr int kNearSurface = 32000;  // distance units: anything but free space seen empty
 
   KT_HOST_DEVICE void fuse_colour(uint32_t rgba, float w_new, ColourVoxel* colour) const {

@@ -14,8 +14,8 @@ struct ProjectiveAssociation {
   const Vec4f* normals;  // of the same level
   PinholeParams camera;  // of the same level
   Rigid3f T_model_current;
-  PinholeParams model_camera;  // full resolution
-  const Vec4f* model_points;   // in the model camera
+  PinholeParams model_camera;
+  const Vec4f* model_points;  // in the model camera
   const Vec4f* model_normals;
 
   struct Pair {
@@ -80,16 +80,17 @@ struct PointToPlane {
   }
 };
 
-/// Counts measured pixels: all of them, or those that fall on model surface.
-struct CountPixels {
-  ProjectiveAssociation association;
-  bool only_associated;
+/// Counts pixels in three sums of one reduction: `weights` are measured, of those `weighted_squares` fall on
+/// model surface, of those A[0][0] agree with it.
+struct JudgePixel {
+  PointToPlane cost;
 
   KT_HOST_DEVICE exec::ResidualRow operator()(int64_t i) const {
     exec::ResidualRow row;
     ProjectiveAssociation::Pair pair;
-    row.weight =
-        (only_associated ? association.find(i, &pair) : association.normals[i].w > 0.0f) ? 1.0f : 0.0f;
+    row.weight = cost.association.normals[i].w > 0.0f ? 1.0f : 0.0f;
+    row.residual = cost.association.find(i, &pair) ? 1.0f : 0.0f;
+    row.jacobian[0] = cost(i).weight > 0.0f ? 1.0f : 0.0f;
     return row;
   }
 };

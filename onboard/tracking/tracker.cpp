@@ -3,8 +3,10 @@
 #include "onboard/tracking/tracker.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "onboard/tracking/icp_kernel.h"
 
@@ -12,6 +14,9 @@ namespace kt {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+
+// Fits are judged at the coarsest level: cheap, and the shares are the same.
+constexpr int kJudgedLevel = kPyramidLevels - 1;
 
 // Rotations are weighed against translations at this lever arm: 1 rad moves a point at this range by it.
 constexpr double kLeverArmM = 2.0;
@@ -50,30 +55,31 @@ Vector6d solve(const exec::NormalEquations& equations, double min_eigenvalue, do
   return scale.asDiagonal() * step;
 }
 
+PointToPlane cost(const TrackingConfig& config, const FrameMaps& maps, const ModelView& model, int level,
+                  const Pose& T_model_current) {
+  const SurfaceLevel& surface = maps.levels[static_cast<size_t>(level)];
+  return {{surface.depth_view(), surface.normals.data(), surface.camera, to_rigid3f(T_model_current),
+           model.camera, model.points.data(), model.normals.data()},
+          static_cast<float>(config.max_distance_m),
+          static_cast<float>(std::cos(config.max_normal_angle_deg * kDegree)),
+          static_cast<float>(1 << level),
+          static_cast<float>(config.robust_sigmas)};
+}
+
 }  // namespace
 
 Tracker::Tracker(const exec::Device& device, const PinholeParams& camera, const TrackingConfig& config)
     : device_(device), config_(config), workspace_(device, camera.pixel_count()) {}
 
-static ProjectiveAssociation association(const FrameMaps& maps, const ModelView& model, int level,
-                                         const Pose& T_model_current) {
-  const SurfaceLevel& surface = maps.levels[static_cast<size_t>(level)];
-  return {surface.depth_view(), surface.normals.data(), surface.camera,      to_rigid3f(T_model_current),
-          model.camera,         model.points.data(),    model.normals.data()};
-}
-
 exec::NormalEquations Tracker::residuals(const FrameMaps& maps, const ModelView& model, int level,
                                          const Pose& T_model_current) {
-  const PointToPlane functor{association(maps, model, level, T_model_current),
-                             static_cast<float>(config_.max_distance_m),
-                             static_cast<float>(std::cos(config_.max_normal_angle_deg * kDegree)),
-                             static_cast<float>(1 << level), static_cast<float>(config_.robust_sigmas)};
-  return exec::reduce_normal_equations(device_, maps.levels[static_cast<size_t>(level)].camera.pixel_count(),
-                                       functor, workspace_);
+  const PointToPlane functor = cost(config_, maps, model, level, T_model_current);
+  return exec::reduce_normal_equations(device_, functor.association.camera.pixel_count(), functor,
+                                       workspace_);
 }
 
 TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model, const Pose& T_odom_guess,
-                           const Pose& T_odom_last) {
+                           double step_factor) {
   constexpr int64_t kFewestPixels = 200;
   TrackResult result;
   Pose T_model_current = model.T_odom_camera.inverse() * T_odom_guess;
@@ -89,37 +95,40 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model, const 
   }
   result.T_odom_camera = orthonormalised(model.T_odom_camera * T_model_current);
   if (equations.count < kFewestPixels) return result;
-
-  // Judged at the coarsest level: cheap, and the shares are the same.
-  constexpr int kJudged = kPyramidLevels - 1;
-  const int64_t pixels = maps.levels[kJudged].camera.pixel_count();
-  const ProjectiveAssociation pairs = association(maps, model, kJudged, T_model_current);
-  const auto count = [&](bool only_associated) {
-    return static_cast<double>(
-        exec::reduce_normal_equations(device_, pixels, CountPixels{pairs, only_associated}, workspace_)
-            .count);
-  };
-  const double measured = count(false), associated = count(true);
-  const double inliers = static_cast<double>(residuals(maps, model, kJudged, T_model_current).count);
-  result.overlap = measured > 0 ? associated / measured : 0;
-  result.inlier_share = associated > 0 ? inliers / associated : 0;
   result.rms_m = std::sqrt(equations.weighted_squares / equations.weights);
   // Residuals larger than the noise model predicts scale the information down (reduced chi square).
   const double chi_square = std::max(1.0, equations.weighted_squares / static_cast<double>(equations.count));
   result.information = hessian(equations) / (kPixelCorrelation * chi_square);
-
-  const Pose T_last_current = T_odom_last.inverse() * result.T_odom_camera;
-  const bool believable = T_last_current.translation().norm() <= config_.max_step_m &&
-                          rotation_angle(T_last_current) <= config_.max_step_deg * kDegree;
-  if (!believable || result.inlier_share < 0.5 * config_.min_inlier_share ||
-      result.overlap < 0.5 * config_.min_overlap) {
-    result.status = TrackingStatus::kLost;
-  } else if (result.inlier_share < config_.min_inlier_share || result.overlap < config_.min_overlap) {
-    result.status = TrackingStatus::kUncertain;
-  } else {
-    result.status = TrackingStatus::kGood;
-  }
+  judge(maps, model, T_model_current, step_factor, &result);
   return result;
+}
+
+void Tracker::judge(const FrameMaps& maps, const ModelView& model, const Pose& T_model_current,
+                    double step_factor, TrackResult* result) {
+  const JudgePixel functor{cost(config_, maps, model, kJudgedLevel, T_model_current)};
+  const exec::NormalEquations sums = exec::reduce_normal_equations(
+      device_, functor.cost.association.camera.pixel_count(), functor, workspace_);
+  const double measured = sums.weights, associated = sums.weighted_squares, inliers = sums.A[0][0];
+  result->overlap = measured > 0 ? associated / measured : 0;
+  result->inlier_share = associated > 0 ? inliers / associated : 0;
+
+  const bool believable = T_model_current.translation().norm() <= step_factor * config_.max_step_m &&
+                          rotation_angle(T_model_current) <= step_factor * config_.max_step_deg * kDegree;
+  if (!believable || result->inlier_share < 0.5 * config_.min_inlier_share ||
+      result->overlap < 0.5 * config_.min_overlap) {
+    result->status = TrackingStatus::kLost;
+  } else if (result->inlier_share < config_.min_inlier_share || result->overlap < config_.min_overlap) {
+    result->status = TrackingStatus::kUncertain;
+  } else {
+    result->status = TrackingStatus::kGood;
+  }
+}
+
+double Tracker::measured_share(const FrameMaps& maps) {
+  const SurfaceLevel& surface = maps.levels[kJudgedLevel];
+  const std::vector<Vec4f> normals = surface.normals.downloaded();
+  const auto measured = std::count_if(normals.begin(), normals.end(), [](const Vec4f& n) { return n.w > 0; });
+  return static_cast<double>(measured) / static_cast<double>(normals.size());
 }
 
 }  // namespace kt

@@ -20,9 +20,12 @@ struct TrackingConfig {
   double robust_sigmas = 2.5;        ///< scale of the Cauchy loss in standard deviations of the depth noise
   double min_eigenvalue =
       1e-3;  ///< directions of the normalised Hessian below it keep the motion model's guess
-  double min_inlier_share = 0.5;  ///< of the pixels on model surface: below, the pose is uncertain
-  double min_overlap = 0.15;      ///< share of measured pixels on model surface: below, the pose is uncertain
-  double max_step_m = 0.25;       ///< motion between frames beyond which a pose is not believed
+  double min_inlier_share = 0.5;      ///< of the pixels on model surface: below, the pose is uncertain
+  double return_inlier_share = 0.65;  ///< the same for the first frame after a gap or a doubtful frame
+  double sure_inlier_share = 0.7;     ///< below, other guesses of the motion are tried too
+  double min_measured_share = 0.05;   ///< of the pixels of the first frame: below, it starts nothing
+  double min_overlap = 0.15;  ///< share of measured pixels on model surface: below, the pose is uncertain
+  double max_step_m = 0.25;   ///< motion in 1/30 s beyond which a pose is not believed
   double max_step_deg = 20;
 };
 
@@ -41,14 +44,19 @@ class Tracker {
  public:
   Tracker(const exec::Device& device, const PinholeParams& camera, const TrackingConfig& config);
 
-  /// Aligns a frame with the model view, starting at `T_odom_guess`. `T_odom_last` is the last pose known,
-  /// which the motion limits refer to.
+  /// Aligns a frame with the model view, starting at `T_odom_guess`. The camera is believed to have moved
+  /// from the model's pose by `step_factor` times the configured steps at most.
   TrackResult track(const FrameMaps& maps, const ModelView& model, const Pose& T_odom_guess,
-                    const Pose& T_odom_last);
+                    double step_factor = 1);
+
+  /// Share of the pixels at which the frame measured a surface.
+  double measured_share(const FrameMaps& maps);
 
  private:
   exec::NormalEquations residuals(const FrameMaps& maps, const ModelView& model, int level,
                                   const Pose& T_model_current);
+  void judge(const FrameMaps& maps, const ModelView& model, const Pose& T_model_current, double step_factor,
+             TrackResult* result);
 
   exec::Device device_;
   TrackingConfig config_;

@@ -4,4 +4,4 @@
 #include "shared/exec/cuda_launch.cuh"
 
 KT_INSTANTIATE_REDUCE(kt::PointToPlane);
-KT_INSTANTIATE_REDUCE(kt::CountPixels);
+KT_INSTANTIATE_REDUCE(kt::JudgePixel);

@@ -23,8 +23,11 @@ struct StampedPose {
   int64_t sequence = 0;  ///< of the frame
   int64_t timestamp_us = 0;
   Pose T_odom_camera = Pose::Identity();
-  /// Information of the edge from the previous pose: inverse covariance of the left perturbation xi of
-  /// T_previous_current, [rotation (rad); translation (m)]. Zero for the first pose.
+  /// Sequence of the frame that this one was measured against, at which its edge starts: the last good one
+  /// before it; of the first pose its own.
+  int64_t from_sequence = 0;
+  /// Information of that edge: inverse covariance of the left perturbation xi of T_from_current, [rotation
+  /// (rad); translation (m)]. Zero for the first pose.
   Matrix6d information = Matrix6d::Zero();
   TrackingStatus status = TrackingStatus::kGood;
 };

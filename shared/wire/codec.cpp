@@ -21,7 +21,7 @@ namespace {
 
 // Offsets as in lcmtypes/*.lcm; encode compares every message it makes with them.
 const MessageLayout kSessionLayout{.fixed_bytes = 300, .strings = 3};
-const MessageLayout kPoseLayout{.fixed_bytes = 301};
+const MessageLayout kPoseLayout{.fixed_bytes = 309};
 const MessageLayout kSliceLayout{.fixed_bytes = 149, .arrays = {{141, 43}, {145, 12}}};
 const MessageLayout kKeyframeLayout{
     .fixed_bytes = 148, .arrays = {{136, 20}, {140, 1}, {144, 1}}, .strings = 1};
@@ -140,6 +140,7 @@ std::vector<uint8_t> encode(const StampedPose& pose, int64_t message_sequence) {
   message.frame = pose.sequence;
   pack(pose.T_odom_camera, message.T_odom_camera);
   pack(pose.information, message.information);
+  message.from_frame = pose.from_sequence;
   message.status = static_cast<int8_t>(pose.status);
   return seal(message, kPoseLayout, message_sequence, pose.timestamp_us);
 }
@@ -148,10 +149,10 @@ DecodeStatus decode(std::span<const uint8_t> bytes, StampedPose& pose) {
   kintsugi::pose_t message{};
   if (const DecodeStatus status = open(bytes, kPoseLayout, message); status != DecodeStatus::kOk)
     return status;
-  return accept(
-      StampedPose{message.frame, message.header.timestamp_us, unpack_pose(message.T_odom_camera),
-                  unpack_information(message.information), static_cast<TrackingStatus>(message.status)},
-      pose);
+  return accept(StampedPose{message.frame, message.header.timestamp_us, unpack_pose(message.T_odom_camera),
+                            message.from_frame, unpack_information(message.information),
+                            static_cast<TrackingStatus>(message.status)},
+                pose);
 }
 
 std::vector<uint8_t> encode(const CloudSlice& slice, int64_t message_sequence) {

@@ -65,6 +65,7 @@ DecodeStatus validity(const SessionHeader& session) {
 
 DecodeStatus validity(const StampedPose& pose) {
   if (!is_count(pose.sequence) || !is_stamp(pose.timestamp_us)) return kOutOfRange;
+  if (pose.from_sequence < 0 || pose.from_sequence > pose.sequence) return kOutOfRange;
   if (pose.status > TrackingStatus::kLost) return kOutOfRange;
   return first_of({check_pose(pose.T_odom_camera), check_information(pose.information)});
 }

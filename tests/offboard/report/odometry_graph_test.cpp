@@ -26,6 +26,20 @@ TEST(OdometryGraph, ChainingTheEdgesGivesThePoses) {
   }
 }
 
+TEST(OdometryGraph, EdgesStartWhereThePoseWasMeasuredFrom) {
+  Session session;
+  for (const int64_t sequence : {2, 3, 4, 5}) session.trajectory.push_back(sample_stamped_pose(sequence));
+  session.trajectory[2].from_sequence = 2;  // 3 was doubtful
+  session.trajectory[3].from_sequence = 1;  // a pose that the log has lost
+  const PoseGraph graph = odometry_graph(session);
+  ASSERT_EQ(graph.edges.size(), 3u);
+  EXPECT_EQ(graph.edges[1].from, 2);
+  EXPECT_EQ(graph.edges[1].to, 4);
+  const Pose T = session.trajectory[0].T_odom_camera * graph.edges[1].T_from_to;
+  EXPECT_TRUE(T.isApprox(session.trajectory[2].T_odom_camera, 1e-12));
+  EXPECT_EQ(graph.edges[2].from, 4) << "the one before stands in";
+}
+
 TEST(OdometryGraph, TakesAcceptedLoopsBetweenPosesThatAreThere) {
   Session session;
   for (const int64_t sequence : {10, 11, 500}) session.trajectory.push_back(sample_stamped_pose(sequence));

@@ -137,18 +137,24 @@ TEST_F(PointToPlaneTest, PointsBehindTheModelCameraMeetNothing) {
   for (int64_t i = 0; i < pixel_count(); ++i) ASSERT_EQ(behind(i).weight, 0) << i;
 }
 
-TEST_F(PointToPlaneTest, CountsMeasuredAndAssociatedPixels) {
+TEST_F(PointToPlaneTest, JudgeCountsMeasuredAssociatedAndAgreeingPixels) {
   const ModelView half = exact_model_view(exec::Device::cpu(1), furnished_room(),
                                           calibration_.depth.pinhole(), Pose::Identity(), 80);
-  ProjectiveAssociation pairs = functor(T_model_current_).association;
-  pairs.model_points = half.points.data();
-  double measured = 0, associated = 0;
+  JudgePixel judge{functor(T_model_current_)};
+  judge.cost.association.model_points = half.points.data();
+  judge.cost.max_distance_m = 0.05f;
+  double measured = 0, associated = 0, agreeing = 0;
   for (int64_t i = 0; i < pixel_count(); ++i) {
-    measured += CountPixels{pairs, false}(i).weight;
-    associated += CountPixels{pairs, true}(i).weight;
+    const exec::ResidualRow row = judge(i);
+    measured += row.weight;
+    associated += row.weight * row.residual;
+    agreeing += row.weight * row.jacobian[0];
+    ASSERT_LE(row.jacobian[0], row.residual) << "what agrees is associated";
   }
   EXPECT_GT(measured, 0.95 * static_cast<double>(pixel_count()));
   EXPECT_NEAR(associated / measured, 0.5, 0.05);
+  EXPECT_GT(agreeing, 0.7 * associated);
+  EXPECT_LT(agreeing, associated);
 }
 
 }  // namespace

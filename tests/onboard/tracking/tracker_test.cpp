@@ -21,7 +21,7 @@ struct Trial {
   Pose T_odom_model = Pose::Identity();
   Pose T_odom_camera = Pose::Identity();  // the truth
   Pose T_odom_guess = Pose::Identity();
-  std::optional<Pose> T_odom_last;  // the model's where not given
+  double step_factor = 1;
   RenderOptions render_options;
   Calibration calibration = small_calibration();
   TrackingConfig config;
@@ -36,7 +36,7 @@ struct Trial {
     const ModelView model =
         exact_model_view(device, scene, half_model ? camera.half() : camera, T_odom_model, model_columns);
     return Tracker(device, camera, config)
-        .track(preprocessor.process(frame), model, T_odom_guess, T_odom_last.value_or(T_odom_model));
+        .track(preprocessor.process(frame), model, T_odom_guess, step_factor);
   }
 };
 
@@ -185,19 +185,34 @@ TEST(Tracker, IsUncertainThenLostAsOverlapShrinks) {
 TEST(Tracker, IsLostWhenTheCameraLooksElsewhere) {
   Trial trial;
   trial.T_odom_camera = trial.T_odom_guess = pose_of({0, 170, 0}, {0, 0, 0});
-  trial.T_odom_last = trial.T_odom_camera;
+  trial.step_factor = 100;
   EXPECT_EQ(trial.run().status, TrackingStatus::kLost);
 }
 
 TEST(Tracker, DoesNotBelieveJumps) {
   Trial trial;
-  trial.T_odom_camera = trial.T_odom_guess = pose_of({0, 3, 0}, {0.02, 0, 0});
-  trial.T_odom_last = trial.T_odom_camera * pose_of({0, 0, 0}, {0.2, 0, 0});
+  trial.config.max_step_m = 0.1;
+  trial.T_odom_camera = trial.T_odom_guess = pose_of({0, 3, 0}, {0.09, 0, 0});
   EXPECT_EQ(trial.run().status, TrackingStatus::kGood) << "within the limits";
-  trial.T_odom_last = trial.T_odom_camera * pose_of({0, 0, 0}, {0.3, 0, 0});
+  trial.T_odom_camera = trial.T_odom_guess = pose_of({0, 3, 0}, {0.12, 0, 0});
   EXPECT_EQ(trial.run().status, TrackingStatus::kLost);
-  trial.T_odom_last = trial.T_odom_camera * pose_of({0, 25, 0}, {0, 0, 0});
-  EXPECT_EQ(trial.run().status, TrackingStatus::kLost);
+  trial.step_factor = 2;
+  EXPECT_EQ(trial.run().status, TrackingStatus::kGood) << "but in twice the time";
+  trial.config.max_step_deg = 1;
+  EXPECT_EQ(trial.run().status, TrackingStatus::kLost) << "turns are limited too";
+}
+
+TEST(Tracker, KnowsHowMuchAFrameMeasured) {
+  const Calibration calibration = small_calibration();
+  const exec::Device device = exec::Device::cpu(1);
+  Preprocessor preprocessor(device, calibration, {});
+  Tracker tracker(device, calibration.depth.pinhole(), {});
+  RgbdFrame frame = render(furnished_room(), calibration, Pose::Identity(), {});
+  EXPECT_GT(tracker.measured_share(preprocessor.process(frame)), 0.9);
+  for (int v = 0; v < 120; ++v) {
+    for (int u = 80; u < 160; ++u) frame.depth(u, v) = 0;
+  }
+  EXPECT_NEAR(tracker.measured_share(preprocessor.process(frame)), 0.5, 0.05);
 }
 
 TEST(Tracker, DoesNotTakeNoiseForASurface) {

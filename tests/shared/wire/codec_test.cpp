@@ -160,8 +160,10 @@ TEST(Codec, RefusesForgedValues) {
   EXPECT_EQ(decode(forged(pose, 28, -1), pose_out), DecodeStatus::kOutOfRange);          // frame
   EXPECT_EQ(decode(forged(pose, 36, kNaN64), pose_out), DecodeStatus::kNotFinite);       // T_odom_camera
   EXPECT_EQ(decode(forged(pose, 36, 0x40000000), pose_out), DecodeStatus::kOutOfRange);  // 2.0: no rotation
-  EXPECT_EQ(decode(forged(pose, 132, kNaN64), pose_out), DecodeStatus::kNotFinite);      // information
-  EXPECT_EQ(decode(forged(pose, 132, static_cast<int32_t>(0xbff00000)), pose_out), DecodeStatus::kOutOfRange);
+  EXPECT_EQ(decode(forged(pose, 132, -1), pose_out), DecodeStatus::kOutOfRange);         // from_frame
+  EXPECT_EQ(decode(forged(pose, 136, 99), pose_out), DecodeStatus::kOutOfRange);     // later than the frame
+  EXPECT_EQ(decode(forged(pose, 140, kNaN64), pose_out), DecodeStatus::kNotFinite);  // information
+  EXPECT_EQ(decode(forged(pose, 140, static_cast<int32_t>(0xbff00000)), pose_out), DecodeStatus::kOutOfRange);
   EXPECT_EQ(decode(forged(slice, 132, 0x40700000), slice_out), DecodeStatus::kOutOfRange);  // voxels of 256 m
   EXPECT_EQ(decode(forged(slice, 132, static_cast<int32_t>(0xbff00000)), slice_out),
             DecodeStatus::kOutOfRange);

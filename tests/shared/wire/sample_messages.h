@@ -39,8 +39,12 @@ inline SessionHeader sample_session() {
 }
 
 inline StampedPose sample_stamped_pose(int64_t sequence = 7) {
-  return {sequence, 1305031102160407 + 33333 * sequence, sample_pose(0.01 * static_cast<double>(sequence)),
-          sample_information(), TrackingStatus::kUncertain};
+  return {sequence,
+          1305031102160407 + 33333 * sequence,
+          sample_pose(0.01 * static_cast<double>(sequence)),
+          std::max<int64_t>(0, sequence - 1),
+          sample_information(),
+          TrackingStatus::kUncertain};
 }
 
 inline CloudSlice sample_slice() {
@@ -106,6 +110,7 @@ inline void expect_equal(const StampedPose& a, const StampedPose& b) {
   EXPECT_EQ(a.sequence, b.sequence);
   EXPECT_EQ(a.timestamp_us, b.timestamp_us);
   EXPECT_EQ(a.T_odom_camera.matrix(), b.T_odom_camera.matrix());
+  EXPECT_EQ(a.from_sequence, b.from_sequence);
   EXPECT_EQ(a.information, b.information);
   EXPECT_EQ(a.status, b.status);
 }
