@@ -5,6 +5,12 @@
 #include <utility>
 
 namespace kt {
+namespace {
+
+// For whoever watches; a change of the tracking is told at once.
+constexpr int64_t kFramesPerStatus = 30;
+
+}  // namespace
 
 Collector::Collector(const exec::Device& device, const Calibration& calibration,
                      const CollectorConfig& config, MessageSink& sink)
@@ -42,8 +48,9 @@ void Collector::publish_pose(const StampedPose& pose) {
      : pose.status == TrackingStatus::kUncertain ? status_.frames_uncertain
                                                  : status_.frames_lost);
   status_.timestamp_us = pose.timestamp_us;
-  status_.tracking = pose.status;
+  const bool changed = std::exchange(status_.tracking, pose.status) != pose.status;
   sink_.on_pose(pose);
+  if (changed || status_.frames % kFramesPerStatus == 0) publish_status();
 }
 
 void Collector::publish_slice(CloudSlice slice, int64_t timestamp_us) {

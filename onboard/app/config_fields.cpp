@@ -105,9 +105,11 @@ std::vector<ConfigField> config_fields(CollectorConfig& c) {
        &c.volume.truncation_voxels},
       {"volume.max_weight", "cap of the running average, in head-on views from 1 m", 1, 255,
        &c.volume.max_weight},
-      {"volume.shift_distance_m", "the volume follows the camera after this distance (m)", 0.1, 20,
+      {"volume.shift_distance_m",
+       "the volume follows when its aim point is this far from its middle, or 0.3 of its edge (m)", 0.1, 20,
        &c.volume.shift_distance_m},
-      {"volume.aim_distance_m", "the middle of the volume lies this far in front of the camera (m)", 0, 20,
+      {"volume.aim_distance_m",
+       "the point that the volume aims to have in its middle lies this far in front of the camera (m)", 0, 20,
        &c.volume.aim_distance_m},
       {"volume.min_slice_weight", "voxels observed less are not exported, in head-on views from 1 m", 0.01,
        255, &c.volume.min_slice_weight},
@@ -138,6 +140,19 @@ void apply_config_yaml(CollectorConfig& config, const std::string& yaml, const s
                      origin);
     }
   }
+}
+
+void check_config(const CollectorConfig& config) {
+  const auto check = [](bool fine, const std::string& problem) {
+    if (!fine) throw Error("configuration: " + problem);
+  };
+  check(config.preprocess.depth_min_m < config.preprocess.depth_max_m,
+        "preprocess.depth_min_m must be less than preprocess.depth_max_m");
+  check(config.volume.resolution % 32 == 0, "volume.resolution must be a multiple of 32");
+  check(config.volume.min_slice_weight < config.volume.max_weight,
+        "volume.min_slice_weight must be less than volume.max_weight, or nothing is ever exported");
+  check(config.volume.aim_distance_m < 0.5 * config.volume.resolution * config.volume.voxel_size_m,
+        "the camera would stand outside the volume: volume.aim_distance_m must be less than half its edge");
 }
 
 std::string config_to_yaml(const CollectorConfig& config, bool with_help) {

@@ -30,6 +30,9 @@ void set_config_field(CollectorConfig& config, const std::string& assignment);
 /// errors.
 void apply_config_yaml(CollectorConfig& config, const std::string& yaml, const std::string& origin);
 
+/// Throws kt::Error where fields that are fine each do not fit together.
+void check_config(const CollectorConfig& config);
+
 /// All fields as YAML that apply_config_yaml reads back; with their help as comments where asked.
 std::string config_to_yaml(const CollectorConfig& config, bool with_help = false);
 

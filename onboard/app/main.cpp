@@ -41,6 +41,7 @@ kt::CollectorConfig read_config(const Options& options) {
     kt::apply_config_yaml(config, text.str(), options.config);
   }
   for (const std::string& setting : options.settings) kt::set_config_field(config, setting);
+  kt::check_config(config);
   return config;
 }
 

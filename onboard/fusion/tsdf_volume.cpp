@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/fusion/tsdf_volume.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -12,6 +13,9 @@
 
 namespace kt {
 namespace {
+
+// A small volume follows sooner than configured, lest its aim point leave it.
+constexpr double kLargestShiftShare = 0.3;  // of its edge
 
 int64_t cube(int64_t n) { return n * n * n; }
 
@@ -153,7 +157,9 @@ std::optional<CloudSlice> TsdfVolume::follow(const Pose& T_odom_camera) {
   const Eigen::Vector3d aim = T_odom_camera * Eigen::Vector3d(0, 0, config_.aim_distance_m);
   const Eigen::Vector3d centre =
       T_volume_odom().inverse() * Eigen::Vector3d::Constant(0.5 * config_.resolution * config_.voxel_size_m);
-  if ((aim - centre).norm() < config_.shift_distance_m || wanted == origin_brick_) return std::nullopt;
+  const double edge_m = config_.resolution * config_.voxel_size_m;
+  const double shift_distance_m = std::min(config_.shift_distance_m, kLargestShiftShare * edge_m);
+  if ((aim - centre).norm() < shift_distance_m || wanted == origin_brick_) return std::nullopt;
 
   const Vec3i low{wanted.x * kBrickSide, wanted.y * kBrickSide, wanted.z * kBrickSide};
   const VoxelBounds after{low, low + Vec3i{config_.resolution, config_.resolution, config_.resolution}};

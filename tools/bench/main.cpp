@@ -45,6 +45,7 @@ std::vector<kt::RgbdFrame> load_frames(kt::FrameSource& source, int64_t count) {
 nlohmann::ordered_json run(const Options& options) {
   kt::CollectorConfig config;
   for (const std::string& setting : options.settings) kt::set_config_field(config, setting);
+  kt::check_config(config);
   const kt::exec::Device device = kt::exec::Device::from_name(options.device, options.threads);
   std::optional<kt::Calibration> calibration;
   if (!options.calibration.empty()) calibration = kt::find_calibration(options.calibration);

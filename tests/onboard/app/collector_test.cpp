@@ -198,6 +198,20 @@ TEST(Collector, CountsWhatItSaw) {
   EXPECT_EQ(status.slice_triangles, triangles);
 }
 
+TEST(Collector, TellsItsStatusRegularlyAndWhenTheTrackingChanges) {
+  SmallMission mission;
+  mission.feed_room(0, 31);
+  ASSERT_EQ(mission.sink.statuses.size(), 1u);
+  EXPECT_EQ(mission.sink.statuses[0].frames, 30);
+  mission.feed(foreign_frame(31));
+  ASSERT_EQ(mission.sink.statuses.size(), 2u);
+  EXPECT_NE(mission.sink.statuses[1].tracking, TrackingStatus::kGood);
+  EXPECT_EQ(mission.sink.statuses[1].frames, 32);
+  mission.feed_room(32, 33);
+  ASSERT_EQ(mission.sink.statuses.size(), 3u);
+  EXPECT_EQ(mission.sink.statuses[2].tracking, TrackingStatus::kGood);
+}
+
 TEST(Collector, FinishPublishesWhatIsLeftAndTheLastStatus) {
   SmallMission mission;
   mission.feed_room(0, 6);

@@ -157,5 +157,27 @@ TEST(ConfigFields, EmptyYamlKeepsTheDefaults) {
   EXPECT_EQ(config_to_yaml(config), config_to_yaml(CollectorConfig{}));
 }
 
+TEST(Config, FieldsMustFitTogether) {
+  EXPECT_NO_THROW(check_config({}));
+  const auto refused = [](const char* first, const char* second) {
+    CollectorConfig config;
+    set_config_field(config, first);
+    set_config_field(config, second);
+    try {
+      check_config(config);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refused("preprocess.depth_min_m=2", "preprocess.depth_max_m=1").find("depth_min_m"),
+            std::string::npos);
+  EXPECT_NE(refused("volume.resolution=100", "volume.voxel_size_m=0.1").find("multiple of 32"),
+            std::string::npos);
+  EXPECT_NE(refused("volume.max_weight=2", "volume.min_slice_weight=3").find("exported"), std::string::npos);
+  EXPECT_NE(refused("volume.resolution=64", "volume.voxel_size_m=0.01").find("aim_distance_m"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace kt

@@ -28,7 +28,7 @@ VolumeConfig moving_volume(int resolution = 128) {
 
 VolumeConfig standing_volume(int resolution) {
   VolumeConfig config = moving_volume(resolution);
-  config.shift_distance_m = 1000;
+  config.shift_distance_m = 1000;  // but 0.3 of its edge
   return config;
 }
 
@@ -103,7 +103,7 @@ void expect_equal_meshes(const KeyedMesh& actual, const KeyedMesh& expected) {
 TEST(Shift, SlicesOfADriveWeldToWhatAStandingVolumeExports) {
   const std::vector<Pose> poses = corridor_poses();
   const Drive moving = drive(moving_volume(), corridor(), poses, poses.front());
-  const Drive standing = drive(standing_volume(352), corridor(), poses, at(0, 0, -1.0));
+  const Drive standing = drive(standing_volume(480), corridor(), poses, at(0, 0, -1.0));
   EXPECT_EQ(standing.shifts, 0);
   EXPECT_GE(moving.shifts, 5);
   int filled = 0;
@@ -169,7 +169,7 @@ TEST(Shift, DiagonalFlightAlongAWallLeavesNoGap) {
   const PinholeParams camera = small_calibration().depth.pinhole();
   const exec::Device device = exec::Device::cpu(1);
   const FrameMaps maps = uniform_maps(device, camera, wall_pixel(1.15f, 0.5f));
-  TsdfVolume moving(device, camera, moving_volume(96)), standing(device, camera, standing_volume(320));
+  TsdfVolume moving(device, camera, moving_volume(96)), standing(device, camera, standing_volume(480));
   standing.follow(at(0, 0, 0));
   std::vector<CloudSlice> slices;
   int diagonal_shifts = 0;
@@ -282,7 +282,7 @@ TEST(Shift, NoisyTurningDriveHasNoGapThatAStandingVolumeHasNot) {
     return slices;
   };
   const KeyedMesh moving(drive_with(moving_volume(), at(0, 0, -2))),
-      standing(drive_with(standing_volume(320), at(0, 0, -1)));
+      standing(drive_with(standing_volume(480), at(0, 0, -1)));
   EXPECT_FALSE(moving.has_duplicate_triangle());
   const auto rim = unmatched_edges(moving.triangles), standing_rim = unmatched_edges(standing.triangles);
   std::set<KeyEdge> closed;  // edges between two triangles of the standing volume
