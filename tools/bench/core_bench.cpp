@@ -12,7 +12,7 @@
 
 #include "onboard/fusion/tsdf_volume.h"
 #include "onboard/preprocess/preprocessor.h"
-#include "onboard/tracking/tracker.h"
+#include "onboard/tracking/odometry.h"
 #include "shared/core/check.h"
 #include "shared/core/version.h"
 
@@ -129,7 +129,7 @@ void run(const Options& options) {
   rig.depth_unit_m = 1e-4;
   const exec::Device device = exec::Device::from_name(options.device, options.threads);
   Preprocessor preprocessor(device, rig, {});
-  Tracker tracker(device, rig.depth.pinhole(), {});
+  Odometry odometry(device, rig.depth.pinhole(), {});
   TsdfVolume volume(device, rig.depth.pinhole(), options.volume);
 
   Stage stages[] = {{"frame"}, {"preprocess"}, {"track"}, {"integrate"}, {"raycast"}};
@@ -152,13 +152,11 @@ void run(const Options& options) {
     measure(0, [&] {
       const FrameMaps* maps = nullptr;
       measure(1, [&] { maps = &preprocessor.process(frame); });
-      if (model) {
-        measure(2, [&] {
-          const TrackResult result = tracker.track(*maps, *model, T_odom_camera, T_odom_camera);
-          T_odom_camera = result.T_odom_camera;
-          good += is_timed && result.status == TrackingStatus::kGood;
-        });
-      }
+      measure(2, [&] {
+        const StampedPose pose = odometry.track(*maps, model, i, frame.timestamp_us);
+        T_odom_camera = pose.T_odom_camera;
+        good += is_timed && pose.status == TrackingStatus::kGood;
+      });
       volume.follow(T_odom_camera);
       measure(3, [&] { volume.integrate(*maps, T_odom_camera, i); });
       measure(4, [&] { model = &volume.raycast(T_odom_camera); });
