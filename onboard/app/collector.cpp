@@ -16,7 +16,7 @@ Collector::Collector(const exec::Device& device, const Calibration& calibration,
                      const CollectorConfig& config, MessageSink& sink)
     : sink_(sink),
       preprocessor_(device, calibration, config.preprocess),
-      odometry_(device, calibration.depth.pinhole(), config.tracking),
+      odometry_(device, calibration, config.tracking),
       volume_(device, calibration.depth.pinhole(), config.volume) {}
 
 FrameReport Collector::process(const RgbdFrame& frame) {
@@ -38,6 +38,7 @@ FrameReport Collector::process(const RgbdFrame& frame) {
     }
     clock_.measure("integrate", [&] { volume_.integrate(maps, T_odom_camera, frame.sequence); });
     model_ = clock_.measure("raycast", [&] { return &volume_.raycast(T_odom_camera); });
+    clock_.measure("remember", [&] { odometry_.remember(maps, *model_); });
     return report;
   });
 }

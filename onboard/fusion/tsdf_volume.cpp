@@ -51,8 +51,12 @@ TsdfVolume::TsdfVolume(const exec::Device& device, const PinholeParams& camera, 
                         exec::Buffer<uint8_t>(device, cube(bricks_))},
       ray_stretches_(device, int64_t{tiles_across(camera.width, kRayTileSide)} *
                                  tiles_across(camera.height, kRayTileSide)),
-      model_view_{
-          camera.half(), Pose::Identity(), {device, camera.pixel_count()}, {device, camera.pixel_count()}},
+      model_view_{camera.half(),
+                  Pose::Identity(),
+                  Pose::Identity(),
+                  0.5 * config.resolution * config.voxel_size_m,
+                  {device, camera.half().pixel_count()},
+                  {device, camera.half().pixel_count()}},
       extractor_(device, cube(bricks_)) {}
 
 VolumeView TsdfVolume::view() const {
@@ -109,6 +113,8 @@ void TsdfVolume::measure_brick_distances() {
 
 const ModelView& TsdfVolume::raycast(const Pose& T_odom_camera) {
   model_view_.T_odom_camera = T_odom_camera;
+  model_view_.T_middle_camera = Eigen::Translation3d(Eigen::Vector3d::Constant(-model_view_.half_edge_m)) *
+                                T_volume_odom() * T_odom_camera;
   const VolumeView volume = view();
   const Rigid3f T_volume_camera = to_rigid3f(T_volume_odom() * T_odom_camera);
   constexpr float kNearestM = 0.1f, kFarthestM = 100.0f;  // the volume ends sooner

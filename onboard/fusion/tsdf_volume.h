@@ -21,7 +21,7 @@ struct VolumeConfig {
   double max_weight = 100;        ///< cap of the running average, in views from 1 m
   double shift_distance_m = 1.5;  ///< the volume follows when its aim point is this far from its centre; at
                                   ///< most 0.3 of its edge
-  double aim_distance_m = 1.0;    ///< the aim point lies this far in front of the camera
+  double aim_distance_m = 2.0;    ///< the aim point lies this far in front of the camera
   double min_slice_weight = 0.3;  ///< voxels trusted less are not exported
 };
 

@@ -54,6 +54,7 @@ Preprocessor::Preprocessor(const exec::Device& device, const Calibration& calibr
   colour_positions_ = {device, pixels};
   registered_colour_ = {device, pixels};
   maps_.fusion_pixels = {device, pixels};
+  maps_.intensity = {device, calibration.colour};
   PinholeParams camera = camera_;
   for (SurfaceLevel& level : maps_.levels) {
     level.camera = camera;
@@ -111,8 +112,10 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
                                        max_slope(camera, config_.max_view_angle_deg), level.normals.data()});
   }
 
-  if (!frame.colour.empty()) {
+  maps_.has_colour = !frame.colour.empty();
+  if (maps_.has_colour) {
     colour_.upload(frame.colour.pixels());
+    maps_.intensity.build(colour_.data());
     // Seen from the same place, a point stays at its pixel whatever its depth: the constructor has found it.
     if (!shares_viewpoint(calibration_)) find_colour_positions(full.depth_view());
     exec::for_each_pixel(device_, camera_.width, camera_.height,
@@ -124,8 +127,7 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
       MakeFusionPixel{measured, camera_, full.normals.data(),
                       static_cast<float>(std::cos(config_.max_view_angle_deg * std::numbers::pi / 180)),
                       max_slope(camera_, config_.max_view_angle_deg),
-                      frame.colour.empty() ? nullptr : registered_colour_.data(),
-                      maps_.fusion_pixels.data()});
+                      maps_.has_colour ? registered_colour_.data() : nullptr, maps_.fusion_pixels.data()});
   return maps_;
 }
 

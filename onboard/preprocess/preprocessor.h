@@ -5,6 +5,7 @@
 #include <array>
 
 #include "onboard/preprocess/depth_map.h"
+#include "onboard/preprocess/intensity_pyramid.h"
 #include "onboard/preprocess/surface_kernel.h"
 #include "shared/exec/buffer.h"
 #include "shared/types/calibration.h"
@@ -34,6 +35,8 @@ struct SurfaceLevel {
 struct FrameMaps {
   std::array<SurfaceLevel, kPyramidLevels> levels;  ///< 0 = full resolution
   exec::Buffer<FusionPixel> fusion_pixels;          ///< full resolution
+  IntensityPyramid intensity;  ///< of the colour camera; of an earlier frame without colour
+  bool has_colour = false;
 };
 
 class Preprocessor {

@@ -80,18 +80,33 @@ struct PointToPlane {
   }
 };
 
-/// Counts pixels in three sums of one reduction: `weights` are measured, of those `weighted_squares` fall on
-/// model surface, of those A[0][0] agree with it.
+/// Counts pixels in three sums of one reduction: `weights` are measured where the model could hold surface,
+/// of those `weighted_squares` fall on model surface, of those A[0][0] agree with it.
 struct JudgePixel {
   PointToPlane cost;
+  Rigid3f T_middle_model;  // to the middle of the cube that the model can hold surface in
+  float half_edge_m;
 
   KT_HOST_DEVICE exec::ResidualRow operator()(int64_t i) const {
     exec::ResidualRow row;
     ProjectiveAssociation::Pair pair;
-    row.weight = cost.association.normals[i].w > 0.0f ? 1.0f : 0.0f;
+    if (!could_be_known(i)) return row;
+    row.weight = 1.0f;
     row.residual = cost.association.find(i, &pair) ? 1.0f : 0.0f;
     row.jacobian[0] = cost(i).weight > 0.0f ? 1.0f : 0.0f;
     return row;
+  }
+
+ private:
+  KT_HOST_DEVICE bool could_be_known(int64_t i) const {
+    const ProjectiveAssociation& pairs = cost.association;
+    if (pairs.normals[i].w <= 0.0f) return false;
+    const int u = static_cast<int>(i % pairs.camera.width), v = static_cast<int>(i / pairs.camera.width);
+    const Vec3f p_model =
+        pairs.T_model_current *
+        pairs.camera.unproject(static_cast<float>(u), static_cast<float>(v), pairs.depth.at(u, v));
+    const Vec3f p = T_middle_model * p_model;
+    return max_of(max_of(fabsf(p.x), fabsf(p.y)), fabsf(p.z)) < half_edge_m;
   }
 };
 

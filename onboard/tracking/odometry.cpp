@@ -3,10 +3,13 @@
 #include "onboard/tracking/odometry.h"
 
 #include <algorithm>
+#include <numbers>
 #include <tuple>
 
 namespace kt {
 namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
 
 // The motion before a gap says little about what comes later than this.
 constexpr double kLongestPrediction_s = 1.0;
@@ -19,6 +22,22 @@ constexpr double kUncertainInformation = 1e-2;
 constexpr double kFrameRate_hz = 30, kLargestStepFactor = 4;
 
 }  // namespace
+
+Odometry::Odometry(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config)
+    : config_(config),
+      tracker_(device, calibration, config),
+      rotation_aligner_(device, calibration),
+      reference_(device, calibration, calibration.depth.pinhole().half().pixel_count()) {}
+
+void Odometry::remember(const FrameMaps& maps, const ModelView& model) {
+  rotation_aligner_.remember(maps);
+  const Pose T_reference_model = reference_.T_odom_reference().inverse() * model.T_odom_camera;
+  const bool is_near = T_reference_model.translation().norm() <= config_.reference_distance_m &&
+                       rotation_angle(T_reference_model) <= config_.reference_angle_deg * kDegree;
+  if (is_near && !reference_.is_empty()) return;
+  reference_.take(maps, model);
+  exposure_ = {};
+}
 
 StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, int64_t sequence,
                             int64_t timestamp_us) {
@@ -44,6 +63,7 @@ StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, int64
     pose.information = result_.information;
     if (model) velocity_ = log_se3(last_good_.T_odom_camera.inverse() * pose.T_odom_camera) / dt_s;
     last_good_ = pose;
+    exposure_ = result_.exposure;
   } else if (pose.status == TrackingStatus::kUncertain) {
     pose.information = kUncertainInformation * result_.information;
   } else {
@@ -59,11 +79,13 @@ StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, int64
 TrackResult Odometry::best_of_guesses(const FrameMaps& maps, const ModelView& model, double dt_s) {
   const double step_factor = std::clamp(dt_s * kFrameRate_hz, 1.0, kLargestStepFactor);
   const Pose& T_odom_last = last_good_.T_odom_camera;
-  const Pose T_last_next = exp_se3(velocity_ * std::min(dt_s, kLongestPrediction_s));
-  TrackResult best = tracker_.track(maps, model, T_odom_last * T_last_next, step_factor);
+  Pose T_last_next = exp_se3(velocity_ * std::min(dt_s, kLongestPrediction_s));
+  T_last_next.linear() = rotation_aligner_.align(maps, T_last_next.linear());
+  TrackResult best =
+      tracker_.track(maps, model, reference_, T_odom_last * T_last_next, exposure_, step_factor);
   if (best.status != TrackingStatus::kGood || best.inlier_share < config_.sure_inlier_share) {
     // The motion model may be what is wrong: a camera that stopped or turned round.
-    const TrackResult at_rest = tracker_.track(maps, model, T_odom_last, step_factor);
+    const TrackResult at_rest = tracker_.track(maps, model, reference_, T_odom_last, exposure_, step_factor);
     const auto rank = [](const TrackResult& result) {
       return std::tuple(result.status, -result.inlier_share);
     };

@@ -3,6 +3,7 @@
 #include "onboard/tracking/tracker.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -21,13 +22,15 @@ constexpr int kJudgedLevel = kPyramidLevels - 1;
 // Rotations are weighed against translations at this lever arm: 1 rad moves a point at this range by it.
 constexpr double kLeverArmM = 2.0;
 
-// Neighbouring pixels err together (filter, disparity interpolation), so their residuals hold less
-// information than their number.
-constexpr double kPixelCorrelation = 50.0;
+// Neighbouring pixels err together, so their residuals hold less information than their number: those of
+// geometry by filters and the interpolation of disparities, those of intensity by blur, reflections and the
+// error of depth that all points of an edge share.
+constexpr double kGeometricCorrelation = 50, kPhotometricCorrelation = 500;
 
-Matrix6d hessian(const exec::NormalEquations& equations) {
-  return Eigen::Map<const Matrix6d>(&equations.A[0][0]);
-}
+// Robust scale of photometric residuals in grey levels: where it starts, and what it may become.
+constexpr double kFirstSigma = 8, kLeastSigma = 2, kLargestSigma = 30;
+
+using PhotometricEquations = exec::NormalEquationsOf<kPhotometricUnknowns>;
 
 // Scales rotation to metres at the lever arm.
 Vector6d lever_scale() {
@@ -36,14 +39,43 @@ Vector6d lever_scale() {
   return scale;
 }
 
+// What all residuals say together about the pose, and the exposure as far as it depends on the pose.
+struct JointEquations {
+  Matrix6d A = Matrix6d::Zero();
+  Vector6d b = Vector6d::Zero();
+  Eigen::Matrix2d A_exposure = Eigen::Matrix2d::Identity();
+  Eigen::Matrix<double, 2, 6> A_exposure_pose = Eigen::Matrix<double, 2, 6>::Zero();
+  Eigen::Vector2d b_exposure = Eigen::Vector2d::Zero();
+
+  void add(const exec::NormalEquations& geometric, double chi_square) {
+    A += Eigen::Map<const Matrix6d>(&geometric.A[0][0]) / (kGeometricCorrelation * chi_square);
+    b += Eigen::Map<const Vector6d>(geometric.b) / (kGeometricCorrelation * chi_square);
+  }
+  void add(const PhotometricEquations& photometric, double weight) {
+    using Matrix8d = Eigen::Matrix<double, kPhotometricUnknowns, kPhotometricUnknowns>;
+    using Vector8d = Eigen::Matrix<double, kPhotometricUnknowns, 1>;
+    const double scale = weight / kPhotometricCorrelation;
+    const Matrix8d H = scale * Eigen::Map<const Matrix8d>(&photometric.A[0][0]);
+    const Vector8d g = scale * Eigen::Map<const Vector8d>(photometric.b);
+    A_exposure = H.bottomRightCorner<2, 2>() + 1e-9 * Eigen::Matrix2d::Identity();
+    A_exposure_pose = H.bottomLeftCorner<2, 6>();
+    b_exposure = g.tail<2>();
+    // The exposure eliminated (Schur complement).
+    const Eigen::Matrix<double, 2, 6> share = A_exposure.inverse() * A_exposure_pose;
+    A += H.topLeftCorner<6, 6>() - A_exposure_pose.transpose() * share;
+    b += g.head<6>() - share.transpose() * b_exposure;
+  }
+  Eigen::Vector2d exposure_step(const Vector6d& pose_step) const {
+    return -A_exposure.inverse() * (b_exposure + A_exposure_pose * pose_step);
+  }
+};
+
 // Gauss-Newton step; zero along the eigenvectors of the normalised Hessian that the residuals do not
-// constrain.
-Vector6d solve(const exec::NormalEquations& equations, double min_eigenvalue, double* smallest) {
+// constrain. `weights`: information of a direction that every geometric residual constrains.
+Vector6d solve(const JointEquations& equations, double weights, double min_eigenvalue, double* smallest) {
   const Vector6d scale = lever_scale();
-  const Matrix6d normalised =
-      scale.asDiagonal() * (hessian(equations) / equations.weights) * scale.asDiagonal();
-  const Vector6d gradient =
-      scale.asDiagonal() * (Eigen::Map<const Vector6d>(equations.b) / equations.weights);
+  const Matrix6d normalised = scale.asDiagonal() * (equations.A / weights) * scale.asDiagonal();
+  const Vector6d gradient = scale.asDiagonal() * (equations.b / weights);
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(normalised);
   *smallest = eigen.eigenvalues()(0);
   Vector6d step = Vector6d::Zero();
@@ -68,44 +100,67 @@ PointToPlane cost(const TrackingConfig& config, const FrameMaps& maps, const Mod
 
 }  // namespace
 
-Tracker::Tracker(const exec::Device& device, const PinholeParams& camera, const TrackingConfig& config)
-    : device_(device), config_(config), workspace_(device, camera.pixel_count()) {}
+Tracker::Tracker(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config)
+    : device_(device), config_(config), workspace_(device, calibration.depth.pinhole().pixel_count()) {}
 
-exec::NormalEquations Tracker::residuals(const FrameMaps& maps, const ModelView& model, int level,
-                                         const Pose& T_model_current) {
-  const PointToPlane functor = cost(config_, maps, model, level, T_model_current);
-  return exec::reduce_normal_equations(device_, functor.association.camera.pixel_count(), functor,
-                                       workspace_);
-}
-
-TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model, const Pose& T_odom_guess,
-                           double step_factor) {
+TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
+                           const PhotometricReference& reference, const Pose& T_odom_guess,
+                           const Exposure& exposure, double step_factor) {
   constexpr int64_t kFewestPixels = 200;
+  const bool has_colour = maps.has_colour && !reference.is_empty() && config_.photometric_weight > 0;
   TrackResult result;
+  result.exposure = exposure;
   Pose T_model_current = model.T_odom_camera.inverse() * T_odom_guess;
-  exec::NormalEquations equations;
+  exec::NormalEquations geometric;
+  JointEquations joint;
+  double sigma = kFirstSigma;
   for (int level = kPyramidLevels - 1; level >= 0; --level) {
     for (int iteration = 0; iteration < config_.iterations[static_cast<size_t>(level)]; ++iteration) {
-      equations = residuals(maps, model, level, T_model_current);
-      if (equations.count < kFewestPixels) break;
-      const Vector6d step = solve(equations, config_.min_eigenvalue, &result.min_eigenvalue);
+      const PointToPlane point_to_plane = cost(config_, maps, model, level, T_model_current);
+      geometric = exec::reduce_normal_equations(device_, point_to_plane.association.camera.pixel_count(),
+                                                point_to_plane, workspace_);
+      if (geometric.count < kFewestPixels) break;
+      joint = {};
+      // Residuals larger than the noise model predicts scale the information down (reduced chi square).
+      const double chi_square =
+          std::max(1.0, geometric.weighted_squares / static_cast<double>(geometric.count));
+      joint.add(geometric, chi_square);
+      if (has_colour && level > 0) {
+        const int intensity_level = level - 1;
+        PhotometricResidual residual =
+            reference.residual(maps, intensity_level, model.T_odom_camera, T_model_current);
+        residual.exposure = result.exposure;
+        residual.sigma = static_cast<float>(sigma);
+        const PhotometricEquations photometric = exec::reduce_normal_equations(
+            device_, reference.point_count(intensity_level), residual, workspace_);
+        if (photometric.count >= kFewestPixels) {
+          joint.add(photometric, config_.photometric_weight);
+          sigma = std::clamp(std::sqrt(photometric.weighted_squares / photometric.weights), kLeastSigma,
+                             kLargestSigma);
+          result.photometric_sigma = sigma;
+        }
+      }
+      const double weights = geometric.weights / (kGeometricCorrelation * chi_square);
+      const Vector6d step = solve(joint, weights, config_.min_eigenvalue, &result.min_eigenvalue);
+      const Eigen::Vector2d exposure_step = joint.exposure_step(step);
+      result.exposure.gain += static_cast<float>(exposure_step(0));
+      result.exposure.bias += kBiasUnit * static_cast<float>(exposure_step(1));
       T_model_current = orthonormalised(exp_se3(step) * T_model_current);
       if (step.head<3>().norm() < 2e-5 && step.tail<3>().norm() < 4e-5) break;
     }
   }
   result.T_odom_camera = orthonormalised(model.T_odom_camera * T_model_current);
-  if (equations.count < kFewestPixels) return result;
-  result.rms_m = std::sqrt(equations.weighted_squares / equations.weights);
-  // Residuals larger than the noise model predicts scale the information down (reduced chi square).
-  const double chi_square = std::max(1.0, equations.weighted_squares / static_cast<double>(equations.count));
-  result.information = hessian(equations) / (kPixelCorrelation * chi_square);
+  if (geometric.count < kFewestPixels) return result;
+  result.rms_m = std::sqrt(geometric.weighted_squares / geometric.weights);
+  result.information = joint.A;
   judge(maps, model, T_model_current, step_factor, &result);
   return result;
 }
 
 void Tracker::judge(const FrameMaps& maps, const ModelView& model, const Pose& T_model_current,
                     double step_factor, TrackResult* result) {
-  const JudgePixel functor{cost(config_, maps, model, kJudgedLevel, T_model_current)};
+  const JudgePixel functor{cost(config_, maps, model, kJudgedLevel, T_model_current),
+                           to_rigid3f(model.T_middle_camera), static_cast<float>(model.half_edge_m)};
   const exec::NormalEquations sums = exec::reduce_normal_equations(
       device_, functor.cost.association.camera.pixel_count(), functor, workspace_);
   const double measured = sums.weights, associated = sums.weighted_squares, inliers = sums.A[0][0];

@@ -43,15 +43,16 @@ __global__ void reduce_kernel(int64_t count, Functor functor, float* chunk_terms
   const int64_t begin = chunk * kReductionChunk;
   if (begin >= count) return;  // whole warps leave together
   const int64_t end = begin + kReductionChunk < count ? begin + kReductionChunk : count;
-  float terms[kReductionTerms] = {};
+  constexpr int kTerms = ReductionTerms<kUnknownsOf<Functor>>::kTerms;
+  float terms[kTerms] = {};
   for (int64_t i = begin + lane; i < end; i += kReductionLanes) {
-    const ResidualRow row = functor(i);
-    if (row.weight > 0) accumulate_terms(row, terms, 1);
+    const auto row = functor(i);
+    if (row.weight > 0) accumulate_terms(row, terms);
   }
-  for (int k = 0; k < kReductionTerms; ++k) {
+  for (int k = 0; k < kTerms; ++k) {
     for (int half = kReductionLanes / 2; half > 0; half /= 2)
       terms[k] += __shfl_down_sync(0xffffffffu, terms[k], half);
-    if (lane == 0) chunk_terms[chunk * kReductionTerms + k] = terms[k];
+    if (lane == 0) chunk_terms[chunk * kTerms + k] = terms[k];
   }
 }
 

@@ -129,7 +129,7 @@ void run(const Options& options) {
   rig.depth_unit_m = 1e-4;
   const exec::Device device = exec::Device::from_name(options.device, options.threads);
   Preprocessor preprocessor(device, rig, {});
-  Odometry odometry(device, rig.depth.pinhole(), {});
+  Odometry odometry(device, rig, {});
   TsdfVolume volume(device, rig.depth.pinhole(), options.volume);
 
   Stage stages[] = {{"frame"}, {"preprocess"}, {"track"}, {"integrate"}, {"raycast"}};
@@ -160,6 +160,7 @@ void run(const Options& options) {
       volume.follow(T_odom_camera);
       measure(3, [&] { volume.integrate(*maps, T_odom_camera, i); });
       measure(4, [&] { model = &volume.raycast(T_odom_camera); });
+      odometry.remember(*maps, *model);
     });
   }
   const Pose T_last = pose_at(0).inverse() * pose_at(kWarmUp + options.frames - 1);

@@ -140,7 +140,7 @@ TEST_F(PointToPlaneTest, PointsBehindTheModelCameraMeetNothing) {
 TEST_F(PointToPlaneTest, JudgeCountsMeasuredAssociatedAndAgreeingPixels) {
   const ModelView half = exact_model_view(exec::Device::cpu(1), furnished_room(),
                                           calibration_.depth.pinhole(), Pose::Identity(), 80);
-  JudgePixel judge{functor(T_model_current_)};
+  JudgePixel judge{functor(T_model_current_), {}, 1e9f};
   judge.cost.association.model_points = half.points.data();
   judge.cost.max_distance_m = 0.05f;
   double measured = 0, associated = 0, agreeing = 0;
@@ -155,6 +155,22 @@ TEST_F(PointToPlaneTest, JudgeCountsMeasuredAssociatedAndAgreeingPixels) {
   EXPECT_NEAR(associated / measured, 0.5, 0.05);
   EXPECT_GT(agreeing, 0.7 * associated);
   EXPECT_LT(agreeing, associated);
+
+  // What lies outside the volume cannot be known, so it does not count as unknown.
+  judge.T_middle_model.t = {0, 0, -1};
+  judge.half_edge_m = 1.0f;
+  for (int64_t i = 0; i < pixel_count(); ++i) {
+    const int u = static_cast<int>(i % 160), v = static_cast<int>(i / 160);
+    const float z = maps_->levels[0].depth_view().at(u, v);
+    const Eigen::Vector3d p =
+        T_model_current_ * (static_cast<double>(z) * ray_of_pixel(calibration_.depth, u, v));
+    const bool is_valid = z > 0 && maps_->levels[0].normals.data()[i].w > 0;
+    if (p.z() > 2.01 || std::abs(p.x()) > 1.01) {
+      EXPECT_EQ(judge(i).weight, 0);
+    } else if (is_valid && p.z() < 1.99 && std::abs(p.x()) < 0.99 && std::abs(p.y()) < 0.99) {
+      EXPECT_EQ(judge(i).weight, 1);
+    }
+  }
 }
 
 }  // namespace

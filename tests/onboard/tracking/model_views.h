@@ -17,7 +17,11 @@ inline Vec4f to_vec4f(const Eigen::Vector3d& p) {
 inline ModelView exact_model_view(const exec::Device& device, const AnalyticScene& scene,
                                   const PinholeParams& camera, const Pose& T_odom_camera,
                                   int columns = 1 << 20) {
-  ModelView view{camera, T_odom_camera, {device, camera.pixel_count()}, {device, camera.pixel_count()}};
+  ModelView view;
+  view.camera = camera;
+  view.T_odom_camera = T_odom_camera;
+  view.points = {device, camera.pixel_count()};
+  view.normals = {device, camera.pixel_count()};
   std::vector<Vec4f> points(static_cast<size_t>(camera.pixel_count())), normals(points.size());
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < std::min(columns, camera.width); ++u) {

@@ -22,6 +22,7 @@ struct Trial {
   Pose T_odom_camera = Pose::Identity();  // the truth
   Pose T_odom_guess = Pose::Identity();
   double step_factor = 1;
+  bool has_reference = false;  // an image of the model's pose too
   RenderOptions render_options;
   Calibration calibration = small_calibration();
   TrackingConfig config;
@@ -33,10 +34,12 @@ struct Trial {
   TrackResult run(const RgbdFrame& frame) const {
     const PinholeParams camera = calibration.depth.pinhole();
     Preprocessor preprocessor(device, calibration, {});
-    const ModelView model =
-        exact_model_view(device, scene, half_model ? camera.half() : camera, T_odom_model, model_columns);
-    return Tracker(device, camera, config)
-        .track(preprocessor.process(frame), model, T_odom_guess, step_factor);
+    const ModelView model = exact_model_view(
+        device, scene, half_model || has_reference ? camera.half() : camera, T_odom_model, model_columns);
+    PhotometricReference reference(device, calibration, model.camera.pixel_count());
+    if (has_reference) reference.take(preprocessor.process(render(scene, calibration, T_odom_model)), model);
+    return Tracker(device, calibration, config)
+        .track(preprocessor.process(frame), model, reference, T_odom_guess, {}, step_factor);
   }
 };
 
@@ -145,6 +148,47 @@ TEST(Tracker, KeepsTheGuessAlongABareCorridor) {
   EXPECT_POSE_NEAR(across, trial.T_odom_camera, 0.1, 1e-3);
 }
 
+// What geometry leaves free, texture holds: along a wall, along a corridor, and for a colour camera that
+// stands beside the depth camera.
+TEST(Tracker, TextureHoldsWhatGeometryLeavesFree) {
+  for (const bool registered : {true, false}) {
+    Trial wall;
+    wall.calibration = small_calibration(2);
+    if (!registered) {
+      wall.calibration.colour.fx = wall.calibration.colour.fy = 230;
+      wall.calibration.T_colour_depth = pose_of({0.3, -0.2, 1}, {-0.03, 0.01, 0});
+    }
+    wall.has_reference = true;
+    wall.scene = AnalyticScene({Plane{{0, 0, -1}, -3.5}});  // far enough for its texture to be fine
+    wall.T_odom_camera = pose_of({1, -1, 1}, {0.02, -0.03, 0.03});
+    EXPECT_POSE_NEAR(wall.run().T_odom_camera, wall.T_odom_camera, 0.1, 4e-3);
+    EXPECT_GT(wall.run().min_eigenvalue, wall.config.min_eigenvalue);
+
+    Trial corridor = wall;
+    corridor.scene = AnalyticScene(
+        {Plane{{1, 0, 0}, -0.8}, Plane{{-1, 0, 0}, -0.9}, Plane{{0, -1, 0}, -1.0}, Plane{{0, 1, 0}, -1.3}});
+    corridor.T_odom_camera = pose_of({1, 1, 1}, {0.02, -0.01, 0.05});
+    EXPECT_POSE_NEAR(corridor.run().T_odom_camera, corridor.T_odom_camera, 0.1, 3e-3);
+  }
+}
+
+TEST(Tracker, ExposureMayChange) {
+  Trial trial;
+  trial.calibration = small_calibration(2);
+  trial.has_reference = true;
+  trial.scene = AnalyticScene({Plane{{0, 0, -1}, -3.5}});
+  trial.T_odom_camera = pose_of({1, -1, 1}, {0.02, -0.03, 0.03});
+  RgbdFrame frame = render(trial.scene, trial.calibration, trial.T_odom_camera);
+  for (Rgb8& c : frame.colour.pixels()) {
+    const auto exposed = [](uint8_t level) { return static_cast<uint8_t>(0.75 * level + 12.5); };
+    c = {exposed(c.r), exposed(c.g), exposed(c.b)};
+  }
+  const TrackResult result = trial.run(frame);
+  EXPECT_POSE_NEAR(result.T_odom_camera, trial.T_odom_camera, 0.1, 2e-3);
+  EXPECT_NEAR(result.exposure.gain, -0.25, 0.02);
+  EXPECT_NEAR(result.exposure.bias, 12, 2);
+}
+
 TEST(Tracker, InformationIsLeastWhereGeometryIsWeak) {
   Trial trial;
   trial.scene = AnalyticScene({Plane{{0, 0, -1}, -1.5}});
@@ -206,7 +250,7 @@ TEST(Tracker, KnowsHowMuchAFrameMeasured) {
   const Calibration calibration = small_calibration();
   const exec::Device device = exec::Device::cpu(1);
   Preprocessor preprocessor(device, calibration, {});
-  Tracker tracker(device, calibration.depth.pinhole(), {});
+  Tracker tracker(device, calibration, {});
   RgbdFrame frame = render(furnished_room(), calibration, Pose::Identity(), {});
   EXPECT_GT(tracker.measured_share(preprocessor.process(frame)), 0.9);
   for (int v = 0; v < 120; ++v) {

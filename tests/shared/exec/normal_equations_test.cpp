@@ -113,7 +113,8 @@ TEST(NormalEquations, ChunksFollowTheStatedShape) {
 TEST(NormalEquations, DoNotFitASmallerWorkspace) {
   const Device device = Device::cpu(1);
   ReductionWorkspace workspace(device, kReductionChunk);
-  EXPECT_THROW(workspace.sum(kReductionChunk + 1), LogicError);
+  EXPECT_THROW(reduce_normal_equations(device, 2 * kReductionChunk + 1, RandomResidual{1, 1}, workspace),
+               LogicError);
 }
 
 }  // namespace

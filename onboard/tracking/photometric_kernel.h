@@ -1,0 +1,175 @@
+// Photometric residuals between a frame and the reference frame, and the choice of the points they are taken
+// at.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "onboard/preprocess/depth_map.h"
+#include "onboard/preprocess/intensity_kernel.h"
+#include "shared/exec/normal_equations.h"
+
+namespace kt {
+
+/// What a photometric solve finds beside the six of the pose: the change of exposure since the reference.
+/// I_current = (1 + gain) I_reference + bias.
+struct Exposure {
+  float gain = 0;
+  float bias = 0;  // grey levels
+};
+inline constexpr int kGainUnknown = 6, kBiasUnknown = 7, kPhotometricUnknowns = 8;
+/// Grey levels that one unit of the unknown bias stands for, so that gain and bias are of one size.
+inline constexpr float kBiasUnit = 128.0f;
+
+/// One photometric residual (Steinbruecker et al. 2011; Kerl et al. 2013) of the left perturbation xi =
+/// [omega; v] of T_model_current, for a point p of the reference with its intensity I_r:
+///   q = T_model_reference p,  c = T_colour_depth T_model_current^-1 q,
+///   r = I(pi(c)) - (1 + gain) I_r - bias,  weight = 1 / sigma^2 * Cauchy(r / sigma)
+/// With w = R_colour_model^T (dpi/dc)^T grad I:  dr/dxi = [w x q; -w].
+struct PhotometricResidual {
+  const Vec4f* points;  // in the depth camera of the reference (m), w = intensity
+  Rigid3f T_model_reference, T_colour_model;
+  IntensityView intensity;  // of the frame
+  PinholeParams camera;     // colour, of the same level
+  Exposure exposure;
+  float sigma;          // grey levels
+  float cauchy_sigmas;  // scale of the robust loss in sigma
+
+  KT_HOST_DEVICE exec::ResidualRowOf<kPhotometricUnknowns> operator()(int64_t i) const {
+    exec::ResidualRowOf<kPhotometricUnknowns> row;
+    const Vec4f point = points[i];
+    const Vec3f q = T_model_reference * xyz(point);
+    const Vec3f c = T_colour_model * q;
+    if (c.z <= 0.05f) return row;
+    const float inverse_z = 1.0f / c.z;
+    float level, by_u, by_v;
+    if (!intensity.sample(c.x * inverse_z * camera.fx + camera.cx, c.y * inverse_z * camera.fy + camera.cy,
+                          &level, &by_u, &by_v))
+      return row;
+    const float r = level - (1.0f + exposure.gain) * point.w - exposure.bias;
+    const float gx = by_u * camera.fx * inverse_z, gy = by_v * camera.fy * inverse_z;
+    const Vec3f by_c{gx, gy, -(gx * c.x + gy * c.y) * inverse_z};
+    const float* R = T_colour_model.R.m;
+    const Vec3f w{R[0] * by_c.x + R[3] * by_c.y + R[6] * by_c.z,
+                  R[1] * by_c.x + R[4] * by_c.y + R[7] * by_c.z,
+                  R[2] * by_c.x + R[5] * by_c.y + R[8] * by_c.z};
+    const Vec3f moment = cross(w, q);
+    const float scaled = r / (cauchy_sigmas * sigma);
+    row.jacobian[0] = moment.x;
+    row.jacobian[1] = moment.y;
+    row.jacobian[2] = moment.z;
+    row.jacobian[3] = -w.x;
+    row.jacobian[4] = -w.y;
+    row.jacobian[5] = -w.z;
+    row.jacobian[kGainUnknown] = -point.w;
+    row.jacobian[kBiasUnknown] = -kBiasUnit;
+    row.residual = r;
+    row.weight = 1.0f / (sigma * sigma * (1.0f + scaled * scaled));
+    return row;
+  }
+};
+
+/// The same for a camera that only turns, between two whole images: pixel i of the last one, seen at
+/// infinity. The unknowns are the left perturbation omega of R_last_current, in the colour camera, and the
+/// exposure; those of the translation stay free.
+struct RotationResidual {
+  IntensityView last, intensity;
+  PinholeParams camera;  // of both
+  Mat3f R_current_last;
+  Exposure exposure;
+  float sigma, cauchy_sigmas;  // as above
+
+  KT_HOST_DEVICE exec::ResidualRowOf<kPhotometricUnknowns> operator()(int64_t i) const {
+    exec::ResidualRowOf<kPhotometricUnknowns> row;
+    const int u = static_cast<int>(i % last.width), v = static_cast<int>(i / last.width);
+    const float reference = last.levels[i];
+    const Vec3f q = camera.unproject(static_cast<float>(u), static_cast<float>(v), 1.0f);
+    const Vec3f c = R_current_last * q;
+    if (reference < 0.0f || c.z <= 0.1f) return row;
+    const float inverse_z = 1.0f / c.z;
+    float level, by_u, by_v;
+    if (!intensity.sample(c.x * inverse_z * camera.fx + camera.cx, c.y * inverse_z * camera.fy + camera.cy,
+                          &level, &by_u, &by_v))
+      return row;
+    const float r = level - (1.0f + exposure.gain) * reference - exposure.bias;
+    const float gx = by_u * camera.fx * inverse_z, gy = by_v * camera.fy * inverse_z;
+    const Vec3f by_c{gx, gy, -(gx * c.x + gy * c.y) * inverse_z};
+    const float* R = R_current_last.m;
+    const Vec3f w{R[0] * by_c.x + R[3] * by_c.y + R[6] * by_c.z,
+                  R[1] * by_c.x + R[4] * by_c.y + R[7] * by_c.z,
+                  R[2] * by_c.x + R[5] * by_c.y + R[8] * by_c.z};
+    const Vec3f moment = cross(w, q);
+    const float scaled = r / (cauchy_sigmas * sigma);
+    row.jacobian[0] = moment.x;
+    row.jacobian[1] = moment.y;
+    row.jacobian[2] = moment.z;
+    row.jacobian[kGainUnknown] = -reference;
+    row.jacobian[kBiasUnknown] = -kBiasUnit;
+    row.residual = r;
+    row.weight = 1.0f / (sigma * sigma * (1.0f + scaled * scaled));
+    return row;
+  }
+};
+
+/// Picks the points of the reference: pixels where its image changes enough to tell a motion. They lie on the
+/// model surface, and where there is none (beyond the volume, say) on the surface that the reference itself
+/// measured.
+struct RatePhotometricPoint {
+  const Vec4f* model_points;  // of the view predicted from the reference's pose
+  DepthView depth;            // measured by the reference, of the same camera as the model view
+  PinholeParams depth_camera;
+  int32_t step;  // every step-th pixel of either axis may be picked
+  Rigid3f T_colour_depth;
+  IntensityView intensity;  // of the reference
+  PinholeParams camera;     // colour, of the same level
+  float min_gradient;       // grey levels per pixel
+  Vec4f* candidates;        // out: point and its intensity
+  uint8_t* picked;          // out: 1 where it is one
+
+  KT_HOST_DEVICE void operator()(int64_t i) const {
+    picked[i] = 0;
+    const int u = static_cast<int>(i % depth.width), v = static_cast<int>(i / depth.width);
+    if (u % step != 0 || v % step != 0) return;
+    const Vec4f model = model_points[i];
+    const float z = depth.at(u, v);
+    if ((model.w <= 0.0f && z <= 0.0f) || is_beside_edge(u, v, z)) return;
+    const Vec3f p =
+        model.w > 0.0f ? xyz(model) : depth_camera.unproject(static_cast<float>(u), static_cast<float>(v), z);
+    const Vec3f c = T_colour_depth * p;
+    float level, by_u, by_v;
+    if (c.z <= 0.05f || !intensity.sample(camera.project_u(c), camera.project_v(c), &level, &by_u, &by_v))
+      return;
+    if (by_u * by_u + by_v * by_v < min_gradient * min_gradient) return;
+    candidates[i] = {p.x, p.y, p.z, level};
+    picked[i] = 1;
+  }
+
+ private:
+  // Where depth breaks off, nobody knows on which side of it a gradient lies.
+  KT_HOST_DEVICE bool is_beside_edge(int u, int v, float z) const {
+    constexpr int kReach = 3;
+    const float limit = 0.05f * z;
+    for (int dv = -kReach; dv <= kReach; dv += kReach) {
+      for (int du = -kReach; du <= kReach; du += kReach) {
+        const float other = depth.at(u + du, v + dv);
+        if (other <= 0.0f || fabsf(other - z) > limit) return true;
+      }
+    }
+    return false;
+  }
+};
+
+struct GatherPhotometricPoint {
+  const Vec4f* candidates;
+  const int32_t* indices;
+  Vec4f* points;  // out
+
+  KT_HOST_DEVICE void operator()(int64_t i) const { points[i] = candidates[indices[i]]; }
+};
+
+/// Copies an image, for later.
+struct CopyIntensity {
+  const float* from;
+  float* to;
+  KT_HOST_DEVICE void operator()(int64_t i) const { to[i] = from[i]; }
+};
+
+}  // namespace kt

@@ -1,0 +1,162 @@
+// Tests of the photometric residuals: value, Jacobians against differences, choice of points.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/tracking/photometric_kernel.h"
+
+#include <cmath>
+#include <vector>
+
+#include "gtest/gtest.h"
+
+#include "onboard/tracking/photometric_reference.h"
+#include "shared/core/rng.h"
+#include "tests/onboard/tracking/model_views.h"
+
+namespace kt::test {
+namespace {
+
+// A plane of levels: bilinear look-up is exact in it, so that differences tell the derivative.
+std::vector<float> plane_image(int width, int height) {
+  std::vector<float> levels;
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u)
+      levels.push_back(20 + 0.9f * static_cast<float>(u) + 0.6f * static_cast<float>(v));
+  }
+  return levels;
+}
+
+constexpr int kWidth = 160, kHeight = 120;
+constexpr PinholeParams kCamera{128, 130, 79, 61, kWidth, kHeight};
+
+void expect_near(double jacobian, double difference, int k) {
+  EXPECT_NEAR(jacobian, difference, 0.2 + 0.01 * std::abs(difference)) << "parameter " << k;
+}
+
+TEST(PhotometricResidual, JacobianEqualsCentralDifferences) {
+  const std::vector<float> levels = plane_image(kWidth, kHeight);
+  std::vector<Vec4f> points;
+  for (uint64_t i = 0; i < 300; ++i) {
+    const auto random = [&](uint64_t stream) { return static_cast<float>(random_uniform(7, stream, i)); };
+    const float z = 0.8f + 2 * random(2);
+    points.push_back({(random(0) - 0.5f) * z, (random(1) - 0.5f) * 0.7f * z, z, 255 * random(3)});
+  }
+  const Pose T_model_reference = pose_of({3, -4, 10}, {0.1, -0.05, 0.02}),
+             T_colour_depth = pose_of({0.5, 1, 0}, {-0.025, 0.01, 0});
+  const Pose T_model_current = pose_of({-2, 3, 5}, {0.04, 0.02, -0.03});
+  const auto at = [&](const Pose& T, float gain, float bias) {
+    return PhotometricResidual{points.data(),
+                               to_rigid3f(T_model_reference),
+                               to_rigid3f(T_colour_depth * T.inverse()),
+                               {levels.data(), kWidth, kHeight},
+                               kCamera,
+                               {gain, bias},
+                               5.0f,
+                               2.5f};
+  };
+  const PhotometricResidual here = at(T_model_current, 0.1f, 3.0f);
+  constexpr double kStep = 1e-3;
+  int compared = 0;
+  for (int64_t i = 0; i < 300; ++i) {
+    const auto row = here(i);
+    if (row.weight == 0) continue;
+    for (int k = 0; k < kPhotometricUnknowns; ++k) {
+      exec::ResidualRowOf<kPhotometricUnknowns> ahead, behind;
+      if (k < 6) {
+        ahead = at(exp_se3(kStep * Vector6d::Unit(k)) * T_model_current, 0.1f, 3.0f)(i);
+        behind = at(exp_se3(-kStep * Vector6d::Unit(k)) * T_model_current, 0.1f, 3.0f)(i);
+      } else {
+        const auto step = static_cast<float>(kStep);
+        const float gain = k == kGainUnknown ? step : 0, bias = k == kBiasUnknown ? step * kBiasUnit : 0;
+        ahead = at(T_model_current, 0.1f + gain, 3.0f + bias)(i);
+        behind = at(T_model_current, 0.1f - gain, 3.0f - bias)(i);
+      }
+      if (ahead.weight == 0 || behind.weight == 0) continue;
+      ++compared;
+      expect_near(row.jacobian[k], static_cast<double>(ahead.residual - behind.residual) / (2 * kStep), k);
+    }
+  }
+  EXPECT_GT(compared, 1500);
+}
+
+TEST(RotationResidual, JacobianEqualsCentralDifferences) {
+  const std::vector<float> last = plane_image(kWidth, kHeight), now = plane_image(kWidth, kHeight);
+  const Eigen::Matrix3d R_last_current = exp_so3({0.03, -0.05, 0.02});
+  const auto at = [&](const Eigen::Matrix3d& R, float gain, float bias) {
+    return RotationResidual{{last.data(), kWidth, kHeight},
+                            {now.data(), kWidth, kHeight},
+                            kCamera,
+                            to_rigid3f(pose_of({0, 0, 0}, {0, 0, 0}) * Pose(R.transpose())).R,
+                            {gain, bias},
+                            5.0f,
+                            2.5f};
+  };
+  const RotationResidual here = at(R_last_current, -0.1f, 2.0f);
+  constexpr double kStep = 1e-3;
+  int compared = 0;
+  for (int64_t i = 5; i < kWidth * kHeight; i += 37) {
+    const auto row = here(i);
+    if (row.weight == 0) continue;
+    for (int k = 3; k < 6; ++k) EXPECT_EQ(row.jacobian[k], 0) << "a camera that only turns";
+    for (const int k : {0, 1, 2, kGainUnknown, kBiasUnknown}) {
+      exec::ResidualRowOf<kPhotometricUnknowns> ahead, behind;
+      if (k < 3) {
+        ahead = at(exp_so3(kStep * Eigen::Vector3d::Unit(k)) * R_last_current, -0.1f, 2.0f)(i);
+        behind = at(exp_so3(-kStep * Eigen::Vector3d::Unit(k)) * R_last_current, -0.1f, 2.0f)(i);
+      } else {
+        const auto step = static_cast<float>(kStep);
+        const float gain = k == kGainUnknown ? step : 0, bias = k == kBiasUnknown ? step * kBiasUnit : 0;
+        ahead = at(R_last_current, -0.1f + gain, 2.0f + bias)(i);
+        behind = at(R_last_current, -0.1f - gain, 2.0f - bias)(i);
+      }
+      if (ahead.weight == 0 || behind.weight == 0) continue;
+      ++compared;
+      expect_near(row.jacobian[k], static_cast<double>(ahead.residual - behind.residual) / (2 * kStep), k);
+    }
+  }
+  EXPECT_GT(compared, 1500);
+}
+
+// A frame at the reference's own place sees every point as bright as the reference did.
+TEST(PhotometricReference, AtItsOwnPoseResidualsVanish) {
+  Calibration calibration = small_calibration(2);
+  calibration.colour.fx = calibration.colour.fy = 230;
+  calibration.T_colour_depth = pose_of({0, 0, 0.5}, {-0.025, 0.002, 0});
+  const exec::Device device = exec::Device::cpu(1);
+  const Pose T = pose_of({2, 5, -3}, {0.1, 0, 0.2});
+  Preprocessor preprocessor(device, calibration, {});
+  const FrameMaps& maps = preprocessor.process(render(furnished_room(), calibration, T));
+  const ModelView model = exact_model_view(device, furnished_room(), calibration.depth.pinhole().half(), T);
+  PhotometricReference reference(device, calibration, model.camera.pixel_count());
+  EXPECT_TRUE(reference.is_empty());
+  reference.take(maps, model);
+  for (int level = 0; level < 2; ++level) {
+    EXPECT_GT(reference.point_count(level), 100) << level;
+    const PhotometricResidual residual = reference.residual(maps, level, T, Pose::Identity());
+    int seen = 0;
+    for (int64_t i = 0; i < reference.point_count(level); ++i) {
+      const auto row = residual(i);
+      if (row.weight == 0) continue;
+      ++seen;
+      EXPECT_NEAR(row.residual, 0, 0.05);
+    }
+    EXPECT_GT(seen, reference.point_count(level) * 9 / 10);
+  }
+}
+
+TEST(PhotometricReference, TakesNoPointsWithoutTextureOrColour) {
+  const Calibration calibration = small_calibration();
+  const exec::Device device = exec::Device::cpu(1);
+  Preprocessor preprocessor(device, calibration, {});
+  const ModelView model =
+      exact_model_view(device, furnished_room(), calibration.depth.pinhole().half(), Pose::Identity());
+  PhotometricReference reference(device, calibration, model.camera.pixel_count());
+  RgbdFrame frame = render(furnished_room(), calibration, Pose::Identity());
+  for (Rgb8& colour : frame.colour.pixels()) colour = {90, 90, 90};
+  reference.take(preprocessor.process(frame), model);
+  EXPECT_TRUE(reference.is_empty());
+  frame.colour = {};
+  reference.take(preprocessor.process(frame), model);
+  EXPECT_TRUE(reference.is_empty());
+}
+
+}  // namespace
+}  // namespace kt::test

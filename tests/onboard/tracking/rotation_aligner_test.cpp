@@ -1,0 +1,80 @@
+// Tests of the pre-alignment of fast turns.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/tracking/rotation_aligner.h"
+
+#include <algorithm>
+
+#include "gtest/gtest.h"
+
+#include "tests/support/analytic_scene.h"
+#include "tests/support/devices.h"
+
+namespace kt::test {
+namespace {
+
+struct Turn {
+  Calibration calibration = small_calibration(2);
+  Pose T_last_current = Pose::Identity();
+  double exposure = 1;
+  exec::Device device = exec::Device::cpu(1);
+
+  Eigen::Matrix3d aligned(const Eigen::Matrix3d& R_guess = Eigen::Matrix3d::Identity()) const {
+    Preprocessor preprocessor(device, calibration, {});
+    RotationAligner aligner(device, calibration);
+    aligner.remember(preprocessor.process(render(furnished_room(), calibration, Pose::Identity())));
+    RgbdFrame frame = render(furnished_room(), calibration, T_last_current);
+    for (Rgb8& c : frame.colour.pixels()) {
+      const auto exposed = [this](uint8_t level) {
+        return static_cast<uint8_t>(std::min(255.0, exposure * level));
+      };
+      c = {exposed(c.r), exposed(c.g), exposed(c.b)};
+    }
+    return aligner.align(preprocessor.process(frame), R_guess);
+  }
+  double error_deg(const Eigen::Matrix3d& R) const {
+    return log_so3(R.transpose() * T_last_current.linear()).norm() * 180 / 3.14159265358979;
+  }
+};
+
+TEST(RotationAligner, FindsFastTurnsFromRest) {
+  for (const Eigen::Vector3d& turn : {Eigen::Vector3d(0, 7.6, 0), {7.6, 0, 0}, {0, 0, 7.6}, {-4, 5, 3}}) {
+    Turn trial;
+    trial.T_last_current = pose_of(turn, {0.02, -0.01, 0.02});
+    EXPECT_LT(trial.error_deg(trial.aligned()), 1.5) << turn.transpose();
+    trial.exposure = 0.8;
+    EXPECT_LT(trial.error_deg(trial.aligned()), 1.5) << "darker, " << turn.transpose();
+  }
+}
+
+TEST(RotationAligner, TurnsInTheFrameOfTheDepthCamera) {
+  Turn trial;
+  trial.calibration.T_colour_depth = pose_of({0, 0, 90}, {-0.02, 0, 0});
+  trial.T_last_current = pose_of({5, 0, 0}, {0, 0, 0});
+  EXPECT_LT(trial.error_deg(trial.aligned()), 1);
+}
+
+TEST(RotationAligner, KeepsTheGuessWhereItCannotTell) {
+  const Calibration calibration = small_calibration();
+  const exec::Device device = exec::Device::cpu(1);
+  Preprocessor preprocessor(device, calibration, {});
+  RotationAligner aligner(device, calibration);
+  const Eigen::Matrix3d guess = pose_of({1, 2, 3}, {0, 0, 0}).linear();
+  RgbdFrame frame = render(furnished_room(), calibration, Pose::Identity());
+  EXPECT_EQ(aligner.align(preprocessor.process(frame), guess), guess) << "nothing to compare with";
+  aligner.remember(preprocessor.process(frame));
+  frame.colour = {};
+  EXPECT_EQ(aligner.align(preprocessor.process(frame), guess), guess) << "no colour";
+}
+
+TEST(RotationAligner, GivesTheSameBitsOnEveryDevice) {
+  Turn trial;
+  trial.T_last_current = pose_of({-4, 5, 3}, {0.02, -0.01, 0.02});
+  const Eigen::Matrix3d reference = trial.aligned();
+  for (const exec::Device& device : parity_devices()) {
+    trial.device = device;
+    EXPECT_EQ(trial.aligned(), reference) << name_of(device);
+  }
+}
+
+}  // namespace
+}  // namespace kt::test
