@@ -1,4 +1,5 @@
-// Welding by sorting: 20 bytes per vertex beside the slices and the mesh, whatever their number.
+// Welding by sorting: 20 bytes per vertex beside the slices and the mesh, or overlap's 16 per triangle
+// before.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/map/weld.h"
 
@@ -6,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "offboard/map/overlap.h"
 #include "shared/core/check.h"
 
 namespace kt {
@@ -115,30 +117,54 @@ std::vector<uint32_t> weld_vertices(const VertexList& vertices, std::span<const 
   return index_of;
 }
 
+// Vertices keep their order, so triangles keep theirs.
+void drop_unused_vertices(Mesh& mesh) {
+  std::vector<bool> is_used(mesh.vertices.size());
+  for (const auto& triangle : mesh.triangles) {
+    for (const uint32_t corner : triangle) is_used[corner] = true;
+  }
+  std::vector<uint32_t> new_index(mesh.vertices.size());
+  uint32_t count = 0;
+  for (size_t i = 0; i < is_used.size(); ++i) {
+    if (!is_used[i]) continue;
+    mesh.vertices[count] = mesh.vertices[i];
+    mesh.normals[count] = mesh.normals[i];
+    mesh.colours[count] = mesh.colours[i];
+    mesh.quality[count] = mesh.quality[i];
+    new_index[i] = count++;
+  }
+  mesh.vertices.resize(count);
+  mesh.normals.resize(count);
+  mesh.colours.resize(count);
+  mesh.quality.resize(count);
+  for (auto& triangle : mesh.triangles) {
+    for (uint32_t& corner : triangle) corner = new_index[corner];
+  }
+}
+
 }  // namespace
 
 Mesh weld(std::span<const CloudSlice> slices) {
   Mesh mesh;
-  const VertexList vertices(slices);
-  size_t triangle_count = 0;
-  for (const CloudSlice& slice : slices) {
+  for (const CloudSlice& slice : slices)
     KT_CHECK(slice.voxel_size_m == slices.front().voxel_size_m, "slices of different grids");
-    triangle_count += slice.triangles.size();
-  }
+  const VertexList vertices(slices);
+  StandingTriangles stands = one_slice_per_cell(slices);
   const std::vector<uint32_t> index_of = weld_vertices(vertices, slices, mesh);
+  drop_splinters(slices, index_of, stands);
 
-  mesh.triangles.reserve(triangle_count);
   for (size_t i = 0; i < slices.size(); ++i) {
-    for (std::array<uint32_t, 3> triangle : slices[i].triangles) {
+    for (size_t t = 0; t < stands[i].size(); ++t) {
+      if (!stands[i][t]) continue;
+      std::array<uint32_t, 3> triangle = slices[i].triangles[t];
       for (uint32_t& corner : triangle) corner = index_of[vertices.start(i) + corner];
-      const auto [a, b, c] = triangle;
-      if (a == b || b == c || c == a) continue;
       std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
       mesh.triangles.push_back(triangle);
     }
   }
   std::sort(mesh.triangles.begin(), mesh.triangles.end());
   mesh.triangles.erase(std::unique(mesh.triangles.begin(), mesh.triangles.end()), mesh.triangles.end());
+  drop_unused_vertices(mesh);
   return mesh;
 }
 

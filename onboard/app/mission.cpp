@@ -3,6 +3,7 @@
 #include "onboard/app/mission.h"
 
 #include <chrono>
+#include <exception>
 #include <sys/resource.h>
 
 #include "onboard/app/config_fields.h"
@@ -28,8 +29,16 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   MissionSummary summary;
   Collector collector(options.device, source.calibration(), options.config, sink);
   FrameQueue frames(source);
-  for (SourceItem item = frames.next(); item.kind != SourceItem::Kind::kEnd && !stopped();
-       item = frames.next()) {
+  std::exception_ptr failure;  // of the source: what was mapped before it goes into the log first
+  const auto next = [&]() -> SourceItem {
+    try {
+      return frames.next();
+    } catch (...) {
+      failure = std::current_exception();
+      return {};  // the end
+    }
+  };
+  for (SourceItem item = next(); item.kind != SourceItem::Kind::kEnd && !stopped(); item = next()) {
     if (item.kind == SourceItem::Kind::kSkipped) {
       collector.count_skipped_frame();
       if (summary.skip_reasons.size() < kReasonsKept) summary.skip_reasons.push_back(item.reason);
@@ -45,11 +54,13 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   }
   summary.interrupted = stopped();
   if (collector.status().frames == 0 && !summary.interrupted) {
+    if (failure) std::rethrow_exception(failure);
     throw Error("no usable frame in the input: " +
                 (summary.skip_reasons.empty() ? "it holds none" : summary.skip_reasons.front()));
   }
   if (collector.status().frames > 0) collector.finish();
   sink.close();
+  if (failure) std::rethrow_exception(failure);
   summary.status = collector.status();
   summary.stage_times = collector.clock().times();
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

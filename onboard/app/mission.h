@@ -35,7 +35,8 @@ struct MissionOptions {
 
 /// The source is read on a thread of its own, some frames ahead; no frame is dropped. `sink` is closed on
 /// return. Throws kt::Error where the source ends before its first frame, and as source, collector and sink
-/// do; what was published before stays in the log.
+/// do; what was published before stays in the log. Where the source throws after its first frame, the mission
+/// is finished before the error is passed on: the log is as whole as if the source had ended there.
 MissionSummary run_mission(FrameSource& source, MessageSink& sink, const MissionOptions& options);
 
 }  // namespace kt

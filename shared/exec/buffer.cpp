@@ -38,14 +38,6 @@ void release(const Device& device, void* pointer, size_t bytes) noexcept {
   munmap(pointer, bytes);
 }
 
-void fill_zero(const Device& device, void* pointer, size_t bytes) {
-#if defined(KT_HAVE_CUDA)
-  if (device.is_cuda()) return cuda_backend::fill_zero(pointer, bytes);
-#endif
-  (void)device;
-  std::memset(pointer, 0, bytes);
-}
-
 void give_back_zeros(const Device& device, void* pointer, size_t bytes) {
   if (device.is_cuda()) return;
   const auto page = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));

@@ -17,7 +17,6 @@ namespace kt::exec {
 /// kt::Error where there is not enough.
 void* allocate_zeroed(const Device& device, size_t bytes);
 void release(const Device& device, void* pointer, size_t bytes) noexcept;
-void fill_zero(const Device& device, void* pointer, size_t bytes);
 /// Returns the memory behind a range of zeros to the system where the device can do without it; it still
 /// reads as zeros.
 void give_back_zeros(const Device& device, void* pointer, size_t bytes);
@@ -40,7 +39,6 @@ class Buffer {
   T* data() { return data_.get(); }
   const T* data() const { return data_.get(); }
 
-  void fill_zero() { exec::fill_zero(device_, data(), bytes_of(size_)); }
   /// For elements [first, first + count), which must be zero.
   void give_back_zeros(int64_t first, int64_t count) {
     exec::give_back_zeros(device_, data() + first, bytes_of(count));

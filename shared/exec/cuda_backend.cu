@@ -50,7 +50,6 @@ void* allocate_zeroed(size_t bytes) {
 }
 
 void release(void* pointer) noexcept { cudaFree(pointer); }
-void fill_zero(void* pointer, size_t bytes) { check_cuda(cudaMemsetAsync(pointer, 0, bytes), "memset"); }
 void copy_to_device(void* to, const void* from, size_t bytes) {
   check_cuda(cudaMemcpy(to, from, bytes, cudaMemcpyHostToDevice), "upload");
 }

@@ -15,7 +15,6 @@ std::string problem();
 /// Device memory, zeroed. Throws kt::Error with the size where there is not enough.
 void* allocate_zeroed(size_t bytes);
 void release(void* pointer) noexcept;
-void fill_zero(void* pointer, size_t bytes);
 void copy_to_device(void* to, const void* from, size_t bytes);
 void copy_to_host(void* to, const void* from, size_t bytes);
 

@@ -3,6 +3,8 @@
 #include "shared/exec/thread_pool.h"
 
 #include <chrono>
+#include <exception>
+#include <string>
 
 #include "shared/core/check.h"
 
@@ -21,10 +23,20 @@ void look_for(const Condition& condition) {
 
 ThreadPool::ThreadPool(int threads) {
   KT_CHECK(threads >= 1);
-  for (int i = 1; i < threads; ++i) workers_.emplace_back([this] { work(); });
+  try {
+    for (int i = 1; i < threads; ++i) workers_.emplace_back([this] { work(); });
+  } catch (const std::exception& failure) {  // of the system, or for want of memory
+    const size_t started = workers_.size() + 1;
+    stop();
+    throw Error("only " + std::to_string(started) + " of " + std::to_string(threads) +
+                " threads could be started (" + failure.what() +
+                "): use fewer (--threads), or raise the limits on threads and memory (ulimit -u, ulimit -v)");
+  }
 }
 
-ThreadPool::~ThreadPool() {
+ThreadPool::~ThreadPool() { stop(); }
+
+void ThreadPool::stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;

@@ -13,11 +13,10 @@ namespace kt::exec {
 
 /// Runs numbered blocks of work on a fixed set of threads, the calling one among them. A frame makes some
 /// forty short launches: idle threads look for the next one for a few microseconds, then sleep, so that they
-/// neither add latency nor burn a core that others need (OpenMP's spinning cost a factor of 8 on a busy
-/// machine).
+/// neither add latency nor burn a core that others need.
 class ThreadPool {
  public:
-  /// `threads` >= 1 in all.
+  /// `threads` >= 1 in all. Throws kt::Error where the system does not grant as many.
   explicit ThreadPool(int threads);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
@@ -41,6 +40,7 @@ class ThreadPool {
   using Call = void (*)(const void* context, int64_t block);
   void run_erased(int64_t blocks, Call call, const void* context);
   void work();
+  void stop();
   bool do_one_block(std::unique_lock<std::mutex>& lock);
 
   std::mutex turn_;   // held by the caller whose run it is

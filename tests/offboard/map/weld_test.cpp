@@ -9,6 +9,7 @@
 #include <map>
 
 #include "shared/core/check.h"
+#include "tests/offboard/map/made_slices.h"
 
 namespace kt {
 namespace {
@@ -99,10 +100,14 @@ TEST(Weld, OverlappingSlicesGiveEachTriangleOnce) {
   EXPECT_TRUE(same(weld(parts), weld(whole)));
 }
 
+// A triangle whose first vertex is as given; the others are the same in all.
 CloudSlice one_vertex(Vec3f p_odom, Vec3f n_odom, Rgb8 colour, float weight) {
   CloudSlice slice;
   slice.voxel_size_m = kVoxel_m;
-  slice.vertices = {{EdgeKey::of({1, 2, -3}, 0), p_odom, n_odom, colour, weight, 0}};
+  slice.vertices = {{EdgeKey::of({1, 2, -3}, 0), p_odom, n_odom, colour, weight, 0},
+                    {EdgeKey::of({1, 2, -3}, 1), {2, 0, 0}, {1, 0, 0}, {}, 1, 0},
+                    {EdgeKey::of({1, 2, -3}, 2), {3, 0, 0}, {1, 0, 0}, {}, 1, 0}};
+  slice.triangles = {{0, 1, 2}};
   return slice;
 }
 
@@ -110,7 +115,7 @@ TEST(Weld, FirstCopyStandsWhereAllAgree) {
   const std::vector<CloudSlice> slices = {one_vertex({1, 0, 0}, {1, 0, 0}, {10, 20, 30}, 5),
                                           one_vertex({1.00005f, 0, 0}, {0, 1, 0}, {200, 200, 200}, 50)};
   const Mesh mesh = weld(slices);
-  ASSERT_EQ(mesh.vertices.size(), 1u);
+  ASSERT_EQ(mesh.vertices.size(), 3u);
   EXPECT_EQ(mesh.vertices[0].x, 1.0f);
   EXPECT_EQ(mesh.normals[0].x, 1.0f);
   EXPECT_EQ(mesh.colours[0], (Rgb8{10, 20, 30}));
@@ -121,7 +126,7 @@ TEST(Weld, CopiesThatDifferAreAveragedByWeight) {
   const std::vector<CloudSlice> slices = {one_vertex({1, 0, 0}, {1, 0, 0}, {10, 20, 30}, 1),
                                           one_vertex({1.004f, 0, 0}, {0, 1, 0}, {50, 60, 75}, 3)};
   const Mesh mesh = weld(slices);
-  ASSERT_EQ(mesh.vertices.size(), 1u);
+  ASSERT_EQ(mesh.vertices.size(), 3u);
   EXPECT_FLOAT_EQ(mesh.vertices[0].x, 1.003f);
   EXPECT_FLOAT_EQ(mesh.normals[0].x, 1 / std::sqrt(10.0f));
   EXPECT_FLOAT_EQ(mesh.normals[0].y, 3 / std::sqrt(10.0f));
@@ -144,6 +149,32 @@ TEST(Weld, DropsTrianglesWithARepeatedCorner) {
   slice.triangles.push_back({3, 0, 3});
   const std::vector<CloudSlice> slices = {slice};
   EXPECT_EQ(weld(slices).triangles.size(), 2u);
+}
+
+TEST(Weld, LeavesOutVerticesWithoutATriangle) {
+  CloudSlice slice = height_field(0, 3, 3);
+  std::erase_if(slice.triangles, [](const auto& t) { return t[0] == 0 || t[2] == 0; });  // all of vertex 0
+  const Mesh mesh = weld({{slice}});
+  EXPECT_EQ(mesh.vertices.size(), slice.vertices.size() - 1);
+  EXPECT_EQ(mesh.normals.size(), mesh.vertices.size());
+  EXPECT_EQ(mesh.colours.size(), mesh.vertices.size());
+  EXPECT_EQ(mesh.quality.size(), mesh.vertices.size());
+  EXPECT_EQ(mesh.vertices.front().x, slice.vertices[1].p_odom.x);
+  std::vector<bool> is_used(mesh.vertices.size());
+  for (const auto& t : mesh.triangles) {
+    for (const uint32_t corner : t) is_used.at(corner) = true;
+  }
+  EXPECT_EQ(std::count(is_used.begin(), is_used.end(), false), 0);
+}
+
+// Once with a voxel more in its middle.
+TEST(Weld, APlaceSeenTwiceHasOneSheet) {
+  std::vector<CloudSlice> slices = {test::made_floor(0, 8, 1, {{4, 3, 0}}), test::made_floor(0, 8, 4)};
+  slices[1].sequence = 1;
+  const Mesh mesh = weld(slices);
+  EXPECT_EQ(mesh.vertices.size(), 9u * 7u);
+  EXPECT_EQ(mesh.triangles.size(), 8u * 6u * 2u);
+  EXPECT_EQ(open_and_crowded_edges(mesh), std::make_pair(2 * (8 + 6), 0));
 }
 
 TEST(Weld, NothingGivesNothing) {

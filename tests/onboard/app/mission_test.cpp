@@ -137,12 +137,32 @@ TEST(Mission, WithoutAUsableFrameIsAnErrorWithTheReason) {
   }
 }
 
-TEST(Mission, PassesOnWhatTheSourceThrewAndKeepsWhatWasPublished) {
-  ListSource source(room_items(3), "the camera was unplugged");
+std::string error_of(FrameSource& source, MessageSink& sink) {
+  try {
+    run_mission(source, sink, small_mission());
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Mission, PassesOnWhatTheSourceThrewAfterTheFinalSlice) {
+  ListSource source(room_items(3), "the camera was unplugged"), ends(room_items(3));
+  RecordingSink sink, whole;
+  EXPECT_EQ(error_of(source, sink), "the camera was unplugged");
+  EXPECT_THAT(sink.calls, ElementsAre("session", "pose", "pose", "pose", "slice", "status", "close"));
+  EXPECT_TRUE(sink.slices.back().is_final);
+  EXPECT_GT(sink.slices.back().triangles.size(), 0u);
+  run_mission(ends, whole, small_mission());
+  EXPECT_EQ(sink.slices.back().triangles, whole.slices.back().triangles);
+}
+
+TEST(Mission, PassesOnWhatTheSourceThrewBeforeItsFirstFrame) {
+  ListSource source({}, "the camera is not there");
   RecordingSink sink;
-  EXPECT_THROW(run_mission(source, sink, small_mission()), Error);
-  EXPECT_EQ(sink.sessions.size(), 1u);
-  EXPECT_EQ(sink.poses.size(), 3u);
+  EXPECT_EQ(error_of(source, sink), "the camera is not there");
+  EXPECT_TRUE(sink.sessions.empty());
+  EXPECT_TRUE(sink.slices.empty());
 }
 
 }  // namespace

@@ -6,79 +6,12 @@
 
 #include "gtest/gtest.h"
 
-#include "tests/onboard/fusion/made_volumes.h"
+#include "tests/onboard/fusion/corridor.h"
 #include "tests/onboard/fusion/mesh.h"
+#include "tests/support/resident_memory.h"
 
 namespace kt::test {
 namespace {
-
-// Voxels of 1/32 m, poses in multiples of 1/32 m and no rotation: then positions in either volume are exact
-// in single precision, and equal observations give equal voxels.
-constexpr double kVoxel = 0.03125;
-
-VolumeConfig moving_volume(int resolution = 128) {
-  VolumeConfig config;
-  config.resolution = resolution;
-  config.voxel_size_m = kVoxel;
-  config.shift_distance_m = 0.5;
-  config.aim_distance_m = 1.0;
-  config.min_slice_weight = 0.3;
-  return config;
-}
-
-VolumeConfig standing_volume(int resolution) {
-  VolumeConfig config = moving_volume(resolution);
-  config.shift_distance_m = 1000;  // but 0.3 of its edge
-  return config;
-}
-
-PreprocessConfig near_only() {
-  PreprocessConfig config;
-  config.depth_max_m = 2.0;  // what is seen lies inside the moving volume too
-  return config;
-}
-
-Pose at(double x, double y, double z) { return pose_of({0, 0, 0}, {x, y, z}); }
-
-// A corridor along z, slanted against the grid, with balls in the way.
-AnalyticScene corridor() {
-  const Eigen::Matrix3d R = pose_of({4, 12, 7}, {0, 0, 0}).linear();
-  return AnalyticScene(
-             {Plane{R.col(0), -0.75}, Plane{-R.col(0), -0.7}, Plane{R.col(1), -0.65}, Plane{-R.col(1), -0.6}})
-      .with(Sphere{{0.4, 0.3, 0.0}, 0.25})
-      .with(Sphere{{-0.2, -0.4, 1.5}, 0.3})
-      .with(Sphere{{0.8, 0.2, 3.0}, 0.3});
-}
-
-// Follows the corridor's axis.
-Pose corridor_pose(int step) {
-  const double z = -3.5 + step * 2 * kVoxel;
-  const Eigen::Vector3d axis = pose_of({4, 12, 7}, {0, 0, 0}).linear().col(2);
-  const auto snapped = [](double x) { return std::round(x / kVoxel) * kVoxel; };
-  return at(snapped(axis.x() / axis.z() * z), snapped(axis.y() / axis.z() * z), z);
-}
-
-struct Drive {
-  std::vector<CloudSlice> slices;  // the flush last
-  int shifts = 0;
-};
-
-// One drive through the scene; `first` places the volume.
-Drive drive(const VolumeConfig& config, const AnalyticScene& scene, const std::vector<Pose>& poses,
-            const Pose& first) {
-  Recorder recorder{.scene = scene, .preprocess = near_only(), .config = config};
-  Drive result;
-  recorder.volume.follow(first);
-  for (const Pose& T : poses) {
-    if (auto slice = recorder.volume.follow(T)) {
-      result.slices.push_back(std::move(*slice));
-      ++result.shifts;
-    }
-    recorder.fuse(T);
-  }
-  result.slices.push_back(recorder.volume.flush());
-  return result;
-}
 
 std::vector<Pose> corridor_poses() {
   std::vector<Pose> poses;
@@ -313,7 +246,30 @@ TEST(Shift, SwayBesideABlockBorderMovesNothingSideways) {
   EXPECT_EQ(origins_x.size(), 1u);
 }
 
-double resident_mib() {
+TEST(Shift, GivesBackTheMemoryOfWhatLeft) {
+  const PinholeParams camera = small_calibration().depth.pinhole();
+  const exec::Device device = exec::Device::cpu(1);
+  const FrameMaps maps = uniform_maps(device, camera, wall_pixel(1.15f, 0.5f));
+  TsdfVolume volume(device, camera, moving_volume(96));
+  const VolumeView view = volume.view();
+  constexpr size_t kVoxels = size_t{96} * 96 * 96;
+  const auto resident = [&] {
+    return std::pair(resident_bytes(view.voxels, kVoxels * sizeof(Voxel)),
+                     resident_bytes(view.colours, kVoxels * sizeof(ColourVoxel)));
+  };
+  volume.follow(at(0, 0, 0));
+  for (int i = -4; i <= 4; ++i) volume.integrate(maps, at(0.25 * i, 0, 0), i + 4);  // a wall all across
+  const auto [voxels, colours] = resident();
+  EXPECT_GT(voxels, 200'000u);
+  EXPECT_GT(colours, 200'000u);
+  ASSERT_FALSE(volume.follow(at(1, 0, 0)).value().triangles.empty());  // a third goes
+  EXPECT_LT(resident().first, voxels - voxels / 10);
+  EXPECT_LT(resident().second, colours - colours / 10);
+  ASSERT_FALSE(volume.follow(at(20, 0, 0)).value().triangles.empty());  // and the rest
+  EXPECT_EQ(resident(), std::pair(size_t{0}, size_t{0}));
+}
+
+double peak_mib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;
@@ -332,11 +288,11 @@ TEST(Shift, MemoryStaysConstantOverALongFlight) {
     const Pose T = at(0.25 * step, 0.125 * step, 0);
     slices += volume.follow(T).has_value();
     volume.integrate(maps, T, step);
-    if (step == kSteps / 4) warm_mib = resident_mib();  // twice round the ring
+    if (step == kSteps / 4) warm_mib = peak_mib();  // twice round the ring
   }
   EXPECT_GT(slices, 40);
   EXPECT_EQ(volume.view().voxels, voxels);
-  EXPECT_LT(resident_mib() - warm_mib, 2);
+  EXPECT_LT(peak_mib() - warm_mib, 2);
 }
 
 }  // namespace

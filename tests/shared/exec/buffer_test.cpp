@@ -10,13 +10,14 @@
 
 #include "shared/core/vec.h"
 #include "tests/support/devices.h"
+#include "tests/support/resident_memory.h"
 
 namespace kt::exec {
 namespace {
 
 TEST(Buffer, IsZeroedAtFirst) {
   for (const Device& device : test::parity_devices()) {
-    // Small and large blocks come from different allocators.
+    // Within a page, within a huge page, over several of either; each after memory of that size was in use.
     for (const int64_t size : {1, 1000, 3'000'000}) {
       { Buffer<int32_t>(device, size).upload(std::vector<int32_t>(static_cast<size_t>(size), -1)); }
       const std::vector<int32_t> values = Buffer<int32_t>(device, size).downloaded();
@@ -34,8 +35,40 @@ TEST(Buffer, GivesBackWhatWasUploaded) {
     buffer.upload(values);
     EXPECT_EQ(buffer.downloaded(), values);
     EXPECT_EQ(buffer.downloaded(3), (std::vector<int32_t>{-7, -6, -5}));
-    buffer.fill_zero();
-    EXPECT_EQ(buffer.downloaded(), std::vector<int32_t>(1234));
+  }
+}
+
+// What is given back begins and ends within a page.
+TEST(Buffer, GivesTheMemoryOfZerosBackAndStillReadsZeros) {
+  constexpr int64_t kSize = 300'000, kFirst = 100'001, kCount = 150'003;
+  Buffer<int32_t> buffer(Device::cpu(1), kSize);
+  std::vector<int32_t> values(kSize, 7);
+  std::fill_n(values.begin() + kFirst, kCount, 0);
+  const auto resident = [&](int64_t first, int64_t count) {
+    return test::resident_bytes(buffer.data() + first, static_cast<size_t>(count) * sizeof(int32_t));
+  };
+  EXPECT_EQ(resident(0, kSize), 0u);
+  buffer.upload(values);
+  const size_t all = resident(0, kSize);
+  EXPECT_GT(all, size_t{kSize} * sizeof(int32_t) * 9 / 10);
+  buffer.give_back_zeros(kFirst, kCount);
+  EXPECT_EQ(resident(kFirst, kCount), 0u);
+  EXPECT_GT(resident(0, kFirst), size_t{kFirst} * sizeof(int32_t) * 9 / 10);
+  EXPECT_LT(resident(0, kSize), all / 2 + all / 20);
+  EXPECT_EQ(buffer.downloaded(), values);
+}
+
+TEST(Buffer, GivingBackWorksOnEveryDeviceAndForAFewElements) {
+  for (const Device& device : test::parity_devices()) {
+    Buffer<int32_t> buffer(device, 100'000);
+    std::vector<int32_t> values(100'000, 3);
+    values[5] = values[6] = 0;
+    std::fill(values.begin() + 1000, values.begin() + 90'000, 0);
+    buffer.upload(values);
+    buffer.give_back_zeros(5, 2);
+    buffer.give_back_zeros(5, 0);
+    buffer.give_back_zeros(1000, 89'000);
+    EXPECT_EQ(buffer.downloaded(), values);
   }
 }
 
@@ -62,7 +95,6 @@ TEST(Buffer, MayBeEmpty) {
   for (const Device& device : test::parity_devices()) {
     Buffer<float> buffer(device, 0);
     buffer.upload({});
-    buffer.fill_zero();
     EXPECT_TRUE(buffer.downloaded().empty());
   }
 }
