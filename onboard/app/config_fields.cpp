@@ -116,8 +116,9 @@ std::vector<ConfigField> config_fields(CollectorConfig& c) {
        "the volume follows when its aim point is this far from its middle, or 0.3 of its edge (m)", 0.1, 20,
        &c.volume.shift_distance_m},
       {"volume.aim_distance_m",
-       "the point that the volume aims to have in its middle lies this far in front of the camera (m)", 0, 20,
-       &c.volume.aim_distance_m},
+       "the point that the volume aims to have in its middle lies this far in front of the camera, or 0.4 of "
+       "its edge (m)",
+       0, 20, &c.volume.aim_distance_m},
       {"volume.min_slice_weight", "voxels observed less are not exported, in head-on views from 1 m", 0.01,
        255, &c.volume.min_slice_weight},
   };
@@ -158,8 +159,6 @@ void check_config(const CollectorConfig& config) {
   check(config.volume.resolution % 32 == 0, "volume.resolution must be a multiple of 32");
   check(config.volume.min_slice_weight < config.volume.max_weight,
         "volume.min_slice_weight must be less than volume.max_weight, or nothing is ever exported");
-  check(config.volume.aim_distance_m < 0.5 * config.volume.resolution * config.volume.voxel_size_m,
-        "the camera would stand outside the volume: volume.aim_distance_m must be less than half its edge");
 }
 
 std::string config_to_yaml(const CollectorConfig& config, bool with_help) {

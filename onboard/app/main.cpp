@@ -28,6 +28,7 @@ struct Options {
   std::string device = "cpu";
   std::vector<std::string> settings;
   int threads = 0;
+  std::string raw_colour = "jpeg";
   bool record_raw = false, overwrite = false, quiet = false, print_config = false;
 };
 
@@ -83,7 +84,8 @@ void run(const Options& options) {
   mission.device = kt::exec::Device::from_name(options.device, options.threads);
   mission.record_raw = options.record_raw;
   mission.stop = &stop_requested;
-  kt::LogSink sink(options.log, {.overwrite = options.overwrite});
+  kt::LogSink sink(options.log, {.overwrite = options.overwrite,
+                                 .frames = {.lossless_colour = options.raw_colour == "png"}});
   if (!options.quiet) {
     std::fprintf(stderr, "kintsugi-collect %s: %s (camera %s) -> %s, volume %d voxels of %g m\n",
                  kt::kProgramVersion, options.input.c_str(), source->calibration().name.c_str(),
@@ -123,6 +125,10 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--record-raw", options.record_raw,
                "log the frames themselves too, for re-integration and replay");
+  app.add_option("--raw-colour", options.raw_colour,
+                 "how --record-raw stores colour: jpeg, or png (lossless: a replay gives the same mission)")
+      ->check(CLI::IsMember({"jpeg", "png"}))
+      ->capture_default_str();
   app.add_flag("--overwrite", options.overwrite, "replace an existing log");
   app.add_option("--report", options.report, "write the end report as JSON");
   app.add_flag("--print-config", options.print_config,

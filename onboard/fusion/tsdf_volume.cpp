@@ -14,8 +14,9 @@
 namespace kt {
 namespace {
 
-// A small volume follows sooner than configured, lest its aim point leave it.
-constexpr double kLargestShiftShare = 0.3;  // of its edge
+// A small volume follows sooner than configured, lest its aim point leave it, and aims nearer, lest the
+// camera do.
+constexpr double kLargestShiftShare = 0.3, kLargestAimShare = 0.4;  // of its edge
 
 int64_t cube(int64_t n) { return n * n * n; }
 
@@ -137,8 +138,13 @@ const ModelView& TsdfVolume::raycast(const Pose& T_odom_camera) {
   return model_view_;
 }
 
+Eigen::Vector3d TsdfVolume::aim_point(const Pose& T_odom_camera) const {
+  const double edge_m = config_.resolution * config_.voxel_size_m;
+  return T_odom_camera * Eigen::Vector3d(0, 0, std::min(config_.aim_distance_m, kLargestAimShare * edge_m));
+}
+
 Vec3i TsdfVolume::wanted_origin_brick(const Pose& T_odom_camera) const {
-  const Eigen::Vector3d aim = T_odom_camera * Eigen::Vector3d(0, 0, config_.aim_distance_m);
+  const Eigen::Vector3d aim = aim_point(T_odom_camera);
   const double block_m = kBlockVoxels * config_.voxel_size_m;
   const Eigen::Vector3d low = aim.array() - 0.5 * config_.resolution * config_.voxel_size_m;
   // An axis stays where it is unless it is off by more than rounding can be: one that hardly moves must not
@@ -160,7 +166,7 @@ std::optional<CloudSlice> TsdfVolume::follow(const Pose& T_odom_camera) {
     placed_ = true;
     return std::nullopt;
   }
-  const Eigen::Vector3d aim = T_odom_camera * Eigen::Vector3d(0, 0, config_.aim_distance_m);
+  const Eigen::Vector3d aim = aim_point(T_odom_camera);
   const Eigen::Vector3d centre =
       T_volume_odom().inverse() * Eigen::Vector3d::Constant(0.5 * config_.resolution * config_.voxel_size_m);
   const double edge_m = config_.resolution * config_.voxel_size_m;

@@ -21,7 +21,8 @@ struct VolumeConfig {
   double max_weight = 100;        ///< cap of the running average, in views from 1 m
   double shift_distance_m = 1.5;  ///< the volume follows when its aim point is this far from its centre; at
                                   ///< most 0.3 of its edge
-  double aim_distance_m = 2.0;    ///< the aim point lies this far in front of the camera
+  double aim_distance_m =
+      2.0;  ///< the aim point lies this far in front of the camera; at most 0.4 of the edge
   double min_slice_weight = 0.3;  ///< voxels trusted less are not exported
 };
 
@@ -55,6 +56,7 @@ class TsdfVolume {
   void measure_brick_distances();
   /// The cleared bricks outside `after` need no memory until they are fused into again.
   void give_back_outside(const VoxelBounds& after);
+  Eigen::Vector3d aim_point(const Pose& T_odom_camera) const;
   Vec3i wanted_origin_brick(const Pose& T_odom_camera) const;
 
   exec::Device device_;

@@ -27,6 +27,9 @@ constexpr double kLeverArmM = 2.0;
 // error of depth that all points of an edge share.
 constexpr double kGeometricCorrelation = 50, kPhotometricCorrelation = 500;
 
+// Texture that tells a direction to a centimetre holds it where geometry does not.
+constexpr double kLeastPhotometricInformation = 1 / (0.01 * 0.01);
+
 // Robust scale of photometric residuals in grey levels: where it starts, and what it may become.
 constexpr double kFirstSigma = 8, kLeastSigma = 2, kLargestSigma = 30;
 
@@ -41,7 +44,7 @@ Vector6d lever_scale() {
 
 // What all residuals say together about the pose, and the exposure as far as it depends on the pose.
 struct JointEquations {
-  Matrix6d A = Matrix6d::Zero();
+  Matrix6d A = Matrix6d::Zero(), A_photometric = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();
   Eigen::Matrix2d A_exposure = Eigen::Matrix2d::Identity();
   Eigen::Matrix<double, 2, 6> A_exposure_pose = Eigen::Matrix<double, 2, 6>::Zero();
@@ -62,7 +65,8 @@ struct JointEquations {
     b_exposure = g.tail<2>();
     // The exposure eliminated (Schur complement).
     const Eigen::Matrix<double, 2, 6> share = A_exposure.inverse() * A_exposure_pose;
-    A += H.topLeftCorner<6, 6>() - A_exposure_pose.transpose() * share;
+    A_photometric = H.topLeftCorner<6, 6>() - A_exposure_pose.transpose() * share;
+    A += A_photometric;
     b += g.head<6>() - share.transpose() * b_exposure;
   }
   Eigen::Vector2d exposure_step(const Vector6d& pose_step) const {
@@ -70,18 +74,24 @@ struct JointEquations {
   }
 };
 
-// Gauss-Newton step; zero along the eigenvectors of the normalised Hessian that the residuals do not
-// constrain. `weights`: information of a direction that every geometric residual constrains.
-Vector6d solve(const JointEquations& equations, double weights, double min_eigenvalue, double* smallest) {
+// Gauss-Newton step; zero along the eigenvectors of the normalised Hessian that neither geometry nor texture
+// constrains. `weights`: information of a direction that every geometric residual constrains.
+Vector6d solve(const JointEquations& equations, double weights, double min_eigenvalue, TrackResult* result) {
   const Vector6d scale = lever_scale();
   const Matrix6d normalised = scale.asDiagonal() * (equations.A / weights) * scale.asDiagonal();
+  const Matrix6d photometric = scale.asDiagonal() * equations.A_photometric * scale.asDiagonal();
   const Vector6d gradient = scale.asDiagonal() * (equations.b / weights);
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(normalised);
-  *smallest = eigen.eigenvalues()(0);
+  result->min_eigenvalue = eigen.eigenvalues()(0);
+  result->free_directions = 0;
   Vector6d step = Vector6d::Zero();
   for (int k = 0; k < 6; ++k) {
-    if (eigen.eigenvalues()(k) < min_eigenvalue) continue;
     const Vector6d direction = eigen.eigenvectors().col(k);
+    if (eigen.eigenvalues()(k) < min_eigenvalue &&
+        direction.dot(photometric * direction) < kLeastPhotometricInformation) {
+      ++result->free_directions;
+      continue;
+    }
     step -= direction * (direction.dot(gradient) / eigen.eigenvalues()(k));
   }
   return scale.asDiagonal() * step;
@@ -141,7 +151,7 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
         }
       }
       const double weights = geometric.weights / (kGeometricCorrelation * chi_square);
-      const Vector6d step = solve(joint, weights, config_.min_eigenvalue, &result.min_eigenvalue);
+      const Vector6d step = solve(joint, weights, config_.min_eigenvalue, &result);
       const Eigen::Vector2d exposure_step = joint.exposure_step(step);
       result.exposure.gain += static_cast<float>(exposure_step(0));
       result.exposure.bias += kBiasUnit * static_cast<float>(exposure_step(1));

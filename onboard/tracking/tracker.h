@@ -44,6 +44,7 @@ struct TrackResult {
       0;                      ///< robust scale of the photometric residuals (grey levels); 0 = none were used
   Exposure exposure;          ///< of the frame against the reference
   double rms_m = 0;           ///< weighted point-to-plane residual of the inliers
+  int free_directions = 0;    ///< of the six, how many kept the guess
   double min_eigenvalue = 0;  ///< of the normalised Hessian: 0 where geometry leaves a direction free
 };
 

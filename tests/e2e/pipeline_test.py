@@ -54,7 +54,8 @@ class PipelineTest(ProgramTest):
 
     def test_recorded_raw_frames_give_the_same_mission(self):
         source = f"tum:{WORK / 'small'}"
-        self.run_well("collect", "--input", source, "--log", self.folder / "raw.lcm", "--record-raw")
+        self.run_well("collect", "--input", source, "--log", self.folder / "raw.lcm", "--record-raw",
+                      "--raw-colour", "png")
         first = self.map(self.folder / "raw.lcm") / "trajectory.txt"
         first = first.read_text()
         replayed, _ = self.collect(f"lcm-log:{self.folder / 'raw.lcm'}")

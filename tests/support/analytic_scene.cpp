@@ -180,7 +180,7 @@ RgbdFrame render(const AnalyticScene& scene, const Calibration& calibration, con
       const auto hit =
           scene.trace(T_world_colour.translation(), T_world_colour.linear() * ray_of_pixel(colour, u, v));
       if (!hit) continue;
-      const Vector3d levels = AnalyticScene::colour(hit->p_world);
+      const Vector3d levels = AnalyticScene::colour(options.texture_scale * hit->p_world);
       frame.colour(u, v) = {level(levels.x()), level(levels.y()), level(levels.z())};
     }
   }

@@ -72,7 +72,8 @@ Calibration small_calibration(int scale = 1);
 struct RenderOptions {
   double noise_sigmas = 0;  ///< of depth, in units of depth_sigma_m
   uint64_t seed = 0;
-  int64_t sequence = 0;  ///< of the frame; stamps are 1/30 s apart
+  double texture_scale = 1;  ///< how many times finer the colours change
+  int64_t sequence = 0;      ///< of the frame; stamps are 1/30 s apart
 };
 
 /// What the rig records; T_world_camera is the pose of the depth camera.

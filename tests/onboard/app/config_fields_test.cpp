@@ -175,8 +175,6 @@ TEST(Config, FieldsMustFitTogether) {
   EXPECT_NE(refused("volume.resolution=100", "volume.voxel_size_m=0.1").find("multiple of 32"),
             std::string::npos);
   EXPECT_NE(refused("volume.max_weight=2", "volume.min_slice_weight=3").find("exported"), std::string::npos);
-  EXPECT_NE(refused("volume.resolution=64", "volume.voxel_size_m=0.01").find("aim_distance_m"),
-            std::string::npos);
 }
 
 }  // namespace

@@ -92,14 +92,14 @@ TEST(TsdfVolume, FollowsSoonerWhereItIsSmall) {
   for (const int resolution : {96, 128, 192, 256, 512}) {
     VolumeConfig config;  // 1 cm, 1.5 m
     config.resolution = resolution;
-    config.aim_distance_m = 0.4;
+    config.aim_distance_m = 0.3;
     TsdfVolume volume(exec::Device::cpu(1), kCamera, config);
     for (int i = 0; i < 200; ++i) {
       const Pose T = pose_of({0, 5.0 * i, 0}, {0.03 * i, 0, -0.02 * i});
       volume.follow(T);
       const Vec3i origin = volume.origin_voxel();
       const Eigen::Vector3d local =
-          T * Eigen::Vector3d(0, 0, 0.4) / 0.01 - Eigen::Vector3d(origin.x, origin.y, origin.z);
+          T * Eigen::Vector3d(0, 0, 0.3) / 0.01 - Eigen::Vector3d(origin.x, origin.y, origin.z);
       ASSERT_GT(local.minCoeff(), 0) << resolution;
       ASSERT_LT(local.maxCoeff(), resolution) << resolution;
     }
