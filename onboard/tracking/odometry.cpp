@@ -79,17 +79,25 @@ StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, int64
 TrackResult Odometry::best_of_guesses(const FrameMaps& maps, const ModelView& model, double dt_s) {
   const double step_factor = std::clamp(dt_s * kFrameRate_hz, 1.0, kLargestStepFactor);
   const Pose& T_odom_last = last_good_.T_odom_camera;
-  Pose T_last_next = exp_se3(velocity_ * std::min(dt_s, kLongestPrediction_s));
-  T_last_next.linear() = rotation_aligner_.align(maps, T_last_next.linear());
-  TrackResult best =
-      tracker_.track(maps, model, reference_, T_odom_last * T_last_next, exposure_, step_factor);
-  if (best.status != TrackingStatus::kGood || best.inlier_share < config_.sure_inlier_share) {
-    // The motion model may be what is wrong: a camera that stopped or turned round.
-    const TrackResult at_rest = tracker_.track(maps, model, reference_, T_odom_last, exposure_, step_factor);
-    const auto rank = [](const TrackResult& result) {
-      return std::tuple(result.status, -result.inlier_share);
-    };
-    if (rank(at_rest) < rank(best)) best = at_rest;
+  const Pose T_last_moved = exp_se3(velocity_ * std::min(dt_s, kLongestPrediction_s));
+  Pose T_last_turned = T_last_moved;
+  T_last_turned.linear() = rotation_aligner_.align(maps, T_last_moved.linear());
+  struct Attempt {
+    Pose T_last_next;
+    const PhotometricReference* reference;
+  };
+  const Attempt attempts[] = {
+      {T_last_turned, &reference_},    // as the images turned
+      {T_last_moved, nullptr},         // after a gap the reference may look elsewhere, and mislead
+      {Pose::Identity(), &reference_}  // a camera that stopped or turned round
+  };
+  TrackResult best;
+  for (const Attempt& attempt : attempts) {
+    const TrackResult result = tracker_.track(maps, model, attempt.reference,
+                                              T_odom_last * attempt.T_last_next, exposure_, step_factor);
+    if (std::tuple(result.status, -result.inlier_share) < std::tuple(best.status, -best.inlier_share))
+      best = result;
+    if (best.status == TrackingStatus::kGood && best.inlier_share >= config_.sure_inlier_share) break;
   }
   return best;
 }

@@ -114,10 +114,11 @@ Tracker::Tracker(const exec::Device& device, const Calibration& calibration, con
     : device_(device), config_(config), workspace_(device, calibration.depth.pinhole().pixel_count()) {}
 
 TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
-                           const PhotometricReference& reference, const Pose& T_odom_guess,
+                           const PhotometricReference* reference, const Pose& T_odom_guess,
                            const Exposure& exposure, double step_factor) {
   constexpr int64_t kFewestPixels = 200;
-  const bool has_colour = maps.has_colour && !reference.is_empty() && config_.photometric_weight > 0;
+  const bool has_colour =
+      reference && maps.has_colour && !reference->is_empty() && config_.photometric_weight > 0;
   TrackResult result;
   result.exposure = exposure;
   Pose T_model_current = model.T_odom_camera.inverse() * T_odom_guess;
@@ -138,11 +139,11 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
       if (has_colour && level > 0) {
         const int intensity_level = level - 1;
         PhotometricResidual residual =
-            reference.residual(maps, intensity_level, model.T_odom_camera, T_model_current);
+            reference->residual(maps, intensity_level, model.T_odom_camera, T_model_current);
         residual.exposure = result.exposure;
         residual.sigma = static_cast<float>(sigma);
         const PhotometricEquations photometric = exec::reduce_normal_equations(
-            device_, reference.point_count(intensity_level), residual, workspace_);
+            device_, reference->point_count(intensity_level), residual, workspace_);
         if (photometric.count >= kFewestPixels) {
           joint.add(photometric, config_.photometric_weight);
           sigma = std::clamp(std::sqrt(photometric.weighted_squares / photometric.weights), kLeastSigma,

@@ -52,10 +52,10 @@ class Tracker {
  public:
   Tracker(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config);
 
-  /// Aligns a frame with the model view and, where both have colour, with the reference, starting at
-  /// `T_odom_guess` and `exposure`. The camera is believed to have moved from the model's pose by
+  /// Aligns a frame with the model view and, where both have colour, with the reference (may be null),
+  /// starting at `T_odom_guess` and `exposure`. The camera is believed to have moved from the model's pose by
   /// `step_factor` times the configured steps at most.
-  TrackResult track(const FrameMaps& maps, const ModelView& model, const PhotometricReference& reference,
+  TrackResult track(const FrameMaps& maps, const ModelView& model, const PhotometricReference* reference,
                     const Pose& T_odom_guess, const Exposure& exposure = {}, double step_factor = 1);
 
   /// Share of the pixels at which the frame measured a surface.

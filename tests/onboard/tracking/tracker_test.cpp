@@ -40,7 +40,7 @@ struct Trial {
     if (has_reference)
       reference.take(preprocessor.process(render(scene, calibration, T_odom_model, render_options)), model);
     return Tracker(device, calibration, config)
-        .track(preprocessor.process(frame), model, reference, T_odom_guess, {}, step_factor);
+        .track(preprocessor.process(frame), model, &reference, T_odom_guess, {}, step_factor);
   }
 };
 
