@@ -19,35 +19,32 @@ inline constexpr int kGainUnknown = 6, kBiasUnknown = 7, kPhotometricUnknowns = 
 /// Grey levels that one unit of the unknown bias stands for, so that gain and bias are of one size.
 inline constexpr float kBiasUnit = 128.0f;
 
-/// One photometric residual (Steinbruecker et al. 2011; Kerl et al. 2013) of the left perturbation xi =
-/// [omega; v] of T_model_current, for a point p of the reference with its intensity I_r:
-///   q = T_model_reference p,  c = T_colour_depth T_model_current^-1 q,
-///   r = I(pi(c)) - (1 + gain) I_r - bias,  weight = 1 / sigma^2 * Cauchy(r / sigma)
-/// With w = R_colour_model^T (dpi/dc)^T grad I:  dr/dxi = [w x q; -w].
-struct PhotometricResidual {
-  const Vec4f* points;  // in the depth camera of the reference (m), w = intensity
-  Rigid3f T_model_reference, T_colour_model;
-  IntensityView intensity;  // of the frame
-  PinholeParams camera;     // colour, of the same level
+/// The image that is compared with the reference, and how.
+struct PhotometricImage {
+  IntensityView intensity;
+  PinholeParams camera;  // colour, of the same level
   Exposure exposure;
   float sigma;          // grey levels
   float cauchy_sigmas;  // scale of the robust loss in sigma
 
-  KT_HOST_DEVICE exec::ResidualRowOf<kPhotometricUnknowns> operator()(int64_t i) const {
+  /// One photometric residual (Steinbruecker et al. 2011; Kerl et al. 2013) of the left perturbation xi =
+  /// [omega; v] of T_model_current, for a point with intensity I_r in the reference, at q in the model and at
+  /// c = T_colour_model q in the colour camera:
+  ///   r = I(pi(c)) - (1 + gain) I_r - bias,  weight = 1 / sigma^2 * Cauchy(r / sigma)
+  /// With w = R_colour_model^T (dpi/dc)^T grad I:  dr/dxi = [w x q; -w].
+  KT_HOST_DEVICE exec::ResidualRowOf<kPhotometricUnknowns> residual(float reference, Vec3f q, Vec3f c,
+                                                                    const Mat3f& R_colour_model) const {
     exec::ResidualRowOf<kPhotometricUnknowns> row;
-    const Vec4f point = points[i];
-    const Vec3f q = T_model_reference * xyz(point);
-    const Vec3f c = T_colour_model * q;
     if (c.z <= 0.05f) return row;
     const float inverse_z = 1.0f / c.z;
     float level, by_u, by_v;
     if (!intensity.sample(c.x * inverse_z * camera.fx + camera.cx, c.y * inverse_z * camera.fy + camera.cy,
                           &level, &by_u, &by_v))
       return row;
-    const float r = level - (1.0f + exposure.gain) * point.w - exposure.bias;
+    const float r = level - (1.0f + exposure.gain) * reference - exposure.bias;
     const float gx = by_u * camera.fx * inverse_z, gy = by_v * camera.fy * inverse_z;
     const Vec3f by_c{gx, gy, -(gx * c.x + gy * c.y) * inverse_z};
-    const float* R = T_colour_model.R.m;
+    const float* R = R_colour_model.m;
     const Vec3f w{R[0] * by_c.x + R[3] * by_c.y + R[6] * by_c.z,
                   R[1] * by_c.x + R[4] * by_c.y + R[7] * by_c.z,
                   R[2] * by_c.x + R[5] * by_c.y + R[8] * by_c.z};
@@ -59,7 +56,7 @@ struct PhotometricResidual {
     row.jacobian[3] = -w.x;
     row.jacobian[4] = -w.y;
     row.jacobian[5] = -w.z;
-    row.jacobian[kGainUnknown] = -point.w;
+    row.jacobian[kGainUnknown] = -reference;
     row.jacobian[kBiasUnknown] = -kBiasUnit;
     row.residual = r;
     row.weight = 1.0f / (sigma * sigma * (1.0f + scaled * scaled));
@@ -67,45 +64,31 @@ struct PhotometricResidual {
   }
 };
 
-/// The same for a camera that only turns, between two whole images: pixel i of the last one, seen at
-/// infinity. The unknowns are the left perturbation omega of R_last_current, in the colour camera, and the
-/// exposure; those of the translation stay free.
-struct RotationResidual {
-  IntensityView last, intensity;
-  PinholeParams camera;  // of both
-  Mat3f R_current_last;
-  Exposure exposure;
-  float sigma, cauchy_sigmas;  // as above
+/// Residuals of the points of the reference.
+struct PhotometricResidual {
+  const Vec4f* points;  // in the depth camera of the reference (m), w = intensity
+  Rigid3f T_model_reference, T_colour_model;
+  PhotometricImage image;  // of the frame
 
   KT_HOST_DEVICE exec::ResidualRowOf<kPhotometricUnknowns> operator()(int64_t i) const {
-    exec::ResidualRowOf<kPhotometricUnknowns> row;
+    const Vec3f q = T_model_reference * xyz(points[i]);
+    return image.residual(points[i].w, q, T_colour_model * q, T_colour_model.R);
+  }
+};
+
+/// Residuals of a camera that only turns, between two whole images: pixel i of the last one, seen at
+/// infinity. The unknowns are the left perturbation omega of R_last_current, in the colour camera, and the
+/// exposure; those of the translation mean nothing.
+struct RotationResidual {
+  IntensityView last;  // of the same camera as the image
+  Mat3f R_current_last;
+  PhotometricImage image;
+
+  KT_HOST_DEVICE exec::ResidualRowOf<kPhotometricUnknowns> operator()(int64_t i) const {
+    if (last.levels[i] < 0.0f) return {};
     const int u = static_cast<int>(i % last.width), v = static_cast<int>(i / last.width);
-    const float reference = last.levels[i];
-    const Vec3f q = camera.unproject(static_cast<float>(u), static_cast<float>(v), 1.0f);
-    const Vec3f c = R_current_last * q;
-    if (reference < 0.0f || c.z <= 0.1f) return row;
-    const float inverse_z = 1.0f / c.z;
-    float level, by_u, by_v;
-    if (!intensity.sample(c.x * inverse_z * camera.fx + camera.cx, c.y * inverse_z * camera.fy + camera.cy,
-                          &level, &by_u, &by_v))
-      return row;
-    const float r = level - (1.0f + exposure.gain) * reference - exposure.bias;
-    const float gx = by_u * camera.fx * inverse_z, gy = by_v * camera.fy * inverse_z;
-    const Vec3f by_c{gx, gy, -(gx * c.x + gy * c.y) * inverse_z};
-    const float* R = R_current_last.m;
-    const Vec3f w{R[0] * by_c.x + R[3] * by_c.y + R[6] * by_c.z,
-                  R[1] * by_c.x + R[4] * by_c.y + R[7] * by_c.z,
-                  R[2] * by_c.x + R[5] * by_c.y + R[8] * by_c.z};
-    const Vec3f moment = cross(w, q);
-    const float scaled = r / (cauchy_sigmas * sigma);
-    row.jacobian[0] = moment.x;
-    row.jacobian[1] = moment.y;
-    row.jacobian[2] = moment.z;
-    row.jacobian[kGainUnknown] = -reference;
-    row.jacobian[kBiasUnknown] = -kBiasUnit;
-    row.residual = r;
-    row.weight = 1.0f / (sigma * sigma * (1.0f + scaled * scaled));
-    return row;
+    const Vec3f q = image.camera.unproject(static_cast<float>(u), static_cast<float>(v), 1.0f);
+    return image.residual(last.levels[i], q, R_current_last * q, R_current_last);
   }
 };
 

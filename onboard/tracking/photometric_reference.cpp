@@ -12,6 +12,8 @@ namespace {
 // Less is noise: an image of 2 x 2 means has some two grey levels of it.
 constexpr float kMinGradient = 4.0f;  // grey levels per pixel
 
+constexpr float kCauchySigmas = 2.5f;
+
 }  // namespace
 
 PhotometricReference::PhotometricReference(const exec::Device& device, const Calibration& calibration,
@@ -45,16 +47,13 @@ void PhotometricReference::take(const FrameMaps& maps, const ModelView& model) {
 }
 
 PhotometricResidual PhotometricReference::residual(const FrameMaps& maps, int level, const Pose& T_odom_model,
-                                                   const Pose& T_model_current) const {
+                                                   const Pose& T_model_current, const Exposure& exposure,
+                                                   float sigma) const {
   const IntensityLevel& intensity = maps.intensity.level(level);
   return {points_[static_cast<size_t>(level)].data(),
           to_rigid3f(T_odom_model.inverse() * T_odom_reference_),
           to_rigid3f(T_colour_depth_ * T_model_current.inverse()),
-          intensity.view(),
-          intensity.camera,
-          {},
-          1.0f,
-          2.5f};
+          {intensity.view(), intensity.camera, exposure, sigma, kCauchySigmas}};
 }
 
 }  // namespace kt

@@ -24,9 +24,10 @@ class PhotometricReference {
   bool is_empty() const { return counts_[0] == 0; }
   const Pose& T_odom_reference() const { return T_odom_reference_; }
 
-  /// Residuals of a frame at intensity level `level`, for the model view whose camera stands at T_odom_model.
+  /// Residuals of a frame at intensity level `level`, for the model view whose camera stands at T_odom_model;
+  /// `sigma` is their expected size (grey levels).
   PhotometricResidual residual(const FrameMaps& maps, int level, const Pose& T_odom_model,
-                               const Pose& T_model_current) const;
+                               const Pose& T_model_current, const Exposure& exposure, float sigma) const;
 
  private:
   exec::Device device_;

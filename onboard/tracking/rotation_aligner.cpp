@@ -3,7 +3,7 @@
 #include "onboard/tracking/rotation_aligner.h"
 
 #include <Eigen/Cholesky>
-#include <cmath>
+#include <algorithm>
 
 #include "shared/exec/for_each.h"
 
@@ -13,7 +13,7 @@ namespace {
 constexpr int kLevel = kIntensityLevels - 1;
 constexpr int kIterations = 12;
 constexpr float kCauchySigmas = 2.5f;
-constexpr double kLeastSigma = 3, kLargestSigma = 30;  // grey levels
+constexpr double kSigma = 10;  // grey levels
 // An overlap this small says nothing.
 constexpr double kLeastShare = 0.3;
 
@@ -39,13 +39,13 @@ Vector5d solve(const Equations& equations) {
   return -A.ldlt().solve(b);
 }
 
-// Mean robust loss of the residuals that a weighted sum stands for; what is out of sight counts as an
+// Mean robust loss in squared sigmas; what is out of sight counts as an
 // outlier.
-double cost(const Equations& equations, double sigma, int64_t pixels) {
+double cost(const Equations& equations, int64_t pixels) {
   const auto count = static_cast<double>(equations.count);
   const double seen = equations.weighted_squares / std::max(1.0, count);
   const double share = count / static_cast<double>(pixels);
-  return share * seen * sigma * sigma + (1 - share) * kCauchySigmas * kCauchySigmas * sigma * sigma;
+  return share * seen + (1 - share) * kCauchySigmas * kCauchySigmas;
 }
 
 }  // namespace
@@ -71,20 +71,17 @@ Eigen::Matrix3d RotationAligner::align(const FrameMaps& maps, const Eigen::Matri
   const int64_t pixels = intensity.camera.pixel_count();
   Eigen::Matrix3d R_last_current = R_colour_depth_ * R_guess * R_colour_depth_.transpose();
   Exposure exposure;
-  double sigma = 10, first_cost = 0;
+  double first_cost = 0;
   Eigen::Matrix3d best = R_last_current;
   double best_cost = 0;
   for (int iteration = 0; iteration <= kIterations; ++iteration) {
-    const RotationResidual residual{{last_.data(), intensity.camera.width, intensity.camera.height},
-                                    intensity.view(),
-                                    intensity.camera,
-                                    to_mat3f(R_last_current.transpose()),
-                                    exposure,
-                                    static_cast<float>(sigma),
-                                    kCauchySigmas};
+    const RotationResidual residual{
+        {last_.data(), intensity.camera.width, intensity.camera.height},
+        to_mat3f(R_last_current.transpose()),
+        {intensity.view(), intensity.camera, exposure, static_cast<float>(kSigma), kCauchySigmas}};
     const Equations equations = exec::reduce_normal_equations(device_, pixels, residual, workspace_);
     if (static_cast<double>(equations.count) < kLeastShare * static_cast<double>(pixels)) break;
-    const double now = cost(equations, sigma, pixels);
+    const double now = cost(equations, pixels);
     if (iteration == 0) first_cost = best_cost = now;
     if (now < best_cost) best_cost = now, best = R_last_current;
     if (iteration == kIterations) break;

@@ -138,10 +138,9 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
       joint.add(geometric, chi_square);
       if (has_colour && level > 0) {
         const int intensity_level = level - 1;
-        PhotometricResidual residual =
-            reference->residual(maps, intensity_level, model.T_odom_camera, T_model_current);
-        residual.exposure = result.exposure;
-        residual.sigma = static_cast<float>(sigma);
+        const PhotometricResidual residual =
+            reference->residual(maps, intensity_level, model.T_odom_camera, T_model_current, result.exposure,
+                                static_cast<float>(sigma));
         const PhotometricEquations photometric = exec::reduce_normal_equations(
             device_, reference->point_count(intensity_level), residual, workspace_);
         if (photometric.count >= kFewestPixels) {

@@ -46,11 +46,7 @@ TEST(PhotometricResidual, JacobianEqualsCentralDifferences) {
     return PhotometricResidual{points.data(),
                                to_rigid3f(T_model_reference),
                                to_rigid3f(T_colour_depth * T.inverse()),
-                               {levels.data(), kWidth, kHeight},
-                               kCamera,
-                               {gain, bias},
-                               5.0f,
-                               2.5f};
+                               {{levels.data(), kWidth, kHeight}, kCamera, {gain, bias}, 5.0f, 2.5f}};
   };
   const PhotometricResidual here = at(T_model_current, 0.1f, 3.0f);
   constexpr double kStep = 1e-3;
@@ -82,12 +78,8 @@ TEST(RotationResidual, JacobianEqualsCentralDifferences) {
   const Eigen::Matrix3d R_last_current = exp_so3({0.03, -0.05, 0.02});
   const auto at = [&](const Eigen::Matrix3d& R, float gain, float bias) {
     return RotationResidual{{last.data(), kWidth, kHeight},
-                            {now.data(), kWidth, kHeight},
-                            kCamera,
-                            to_rigid3f(pose_of({0, 0, 0}, {0, 0, 0}) * Pose(R.transpose())).R,
-                            {gain, bias},
-                            5.0f,
-                            2.5f};
+                            to_rigid3f(Pose(R.transpose())).R,
+                            {{now.data(), kWidth, kHeight}, kCamera, {gain, bias}, 5.0f, 2.5f}};
   };
   const RotationResidual here = at(R_last_current, -0.1f, 2.0f);
   constexpr double kStep = 1e-3;
@@ -95,7 +87,6 @@ TEST(RotationResidual, JacobianEqualsCentralDifferences) {
   for (int64_t i = 5; i < kWidth * kHeight; i += 37) {
     const auto row = here(i);
     if (row.weight == 0) continue;
-    for (int k = 3; k < 6; ++k) EXPECT_EQ(row.jacobian[k], 0) << "a camera that only turns";
     for (const int k : {0, 1, 2, kGainUnknown, kBiasUnknown}) {
       exec::ResidualRowOf<kPhotometricUnknowns> ahead, behind;
       if (k < 3) {
@@ -130,7 +121,7 @@ TEST(PhotometricReference, AtItsOwnPoseResidualsVanish) {
   reference.take(maps, model);
   for (int level = 0; level < 2; ++level) {
     EXPECT_GT(reference.point_count(level), 100) << level;
-    const PhotometricResidual residual = reference.residual(maps, level, T, Pose::Identity());
+    const PhotometricResidual residual = reference.residual(maps, level, T, Pose::Identity(), {}, 5.0f);
     int seen = 0;
     for (int64_t i = 0; i < reference.point_count(level); ++i) {
       const auto row = residual(i);
