@@ -147,7 +147,6 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
           joint.add(photometric, config_.photometric_weight);
           sigma = std::clamp(std::sqrt(photometric.weighted_squares / photometric.weights), kLeastSigma,
                              kLargestSigma);
-          result.photometric_sigma = sigma;
         }
       }
       const double weights = geometric.weights / (kGeometricCorrelation * chi_square);

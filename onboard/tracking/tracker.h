@@ -38,10 +38,8 @@ struct TrackResult {
   TrackingStatus status = TrackingStatus::kLost;
   /// Of the left perturbation of T_model_current, model = the camera of the model view.
   Matrix6d information = Matrix6d::Zero();
-  double inlier_share = 0;  ///< of the pixels that fall on model surface
-  double overlap = 0;       ///< share of measured pixels that fall on model surface
-  double photometric_sigma =
-      0;                      ///< robust scale of the photometric residuals (grey levels); 0 = none were used
+  double inlier_share = 0;    ///< of the pixels that fall on model surface
+  double overlap = 0;         ///< share of the pixels measured inside the volume that do so
   Exposure exposure;          ///< of the frame against the reference
   double rms_m = 0;           ///< weighted point-to-plane residual of the inliers
   int free_directions = 0;    ///< of the six, how many kept the guess

@@ -52,12 +52,12 @@ int compare_with_texture(const Calibration& calibration, const Plane& wall) {
   return coloured;
 }
 
-TEST(RegisterColour, OfARegisteredCameraIsThePixelItself) {
+TEST(RegisteredColour, OfARegisteredCameraIsThePixelItself) {
   const Calibration calibration = small_calibration();
   EXPECT_GT(compare_with_texture(calibration, tilted_wall(1.5, 10, 20)), 158 * 118 - 1);
 }
 
-TEST(RegisterColour, FollowsAnOffsetColourCamera) {
+TEST(RegisteredColour, FollowsAnOffsetColourCamera) {
   Calibration calibration = small_calibration();
   calibration.colour = {200, 150, 190, 188, 101, 73, {0.05, -0.1, 0.001, -0.002, 0.02}};
   calibration.T_colour_depth = pose_of({1.0, -2.0, 0.5}, {0.05, -0.01, 0.004});
@@ -66,7 +66,7 @@ TEST(RegisterColour, FollowsAnOffsetColourCamera) {
   }
 }
 
-TEST(RegisterColour, DependsOnTheRangeOfANearSurface) {
+TEST(RegisteredColour, DependsOnTheRangeOfANearSurface) {
   Calibration calibration = small_calibration();
   calibration.T_colour_depth = pose_of({0, 0, 0}, {0.05, 0, 0});
   // 5 cm to the side are 8 pixels at 0.8 m and 2 at 3.2 m: a registration by a fixed shift would show.
@@ -74,7 +74,7 @@ TEST(RegisterColour, DependsOnTheRangeOfANearSurface) {
   EXPECT_GT(compare_with_texture(calibration, tilted_wall(3.2, 0, 0)), 10'000);
 }
 
-TEST(RegisterColour, IsMissingWhereDepthIs) {
+TEST(RegisteredColour, IsMissingWhereDepthIs) {
   const Calibration calibration = small_calibration();
   RgbdFrame frame = render(AnalyticScene({tilted_wall(1.5, 0, 0)}), calibration, Pose::Identity());
   for (int u = 0; u < 160; ++u) frame.depth(u, 60) = 0;
@@ -85,7 +85,7 @@ TEST(RegisterColour, IsMissingWhereDepthIs) {
   }
 }
 
-TEST(RegisterColour, WithoutAColourImageThereIsNone) {
+TEST(RegisteredColour, WithoutAColourImageThereIsNone) {
   const Calibration calibration = small_calibration();
   RgbdFrame frame = render(AnalyticScene({tilted_wall(1.5, 0, 0)}), calibration, Pose::Identity());
   Preprocessor preprocessor(exec::Device::cpu(1), calibration, {});
