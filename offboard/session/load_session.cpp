@@ -53,6 +53,7 @@ struct Gatherer {
   void operator()(LoopClosure&& loop) { session.loop_closures.push_back(std::move(loop)); }
   void operator()(MissionStatus&& status) { session.last_status = status; }
   void operator()(CompressedFrame&&) {}
+  void operator()(MotionSample&&) {}
 };
 
 }  // namespace
@@ -60,6 +61,7 @@ struct Gatherer {
 Session load_session(const std::filesystem::path& path, const Progress& progress) {
   MessageReader reader(path);
   reader.skip<CompressedFrame>();
+  reader.skip<MotionSample>();
   Gatherer gatherer{path};
   while (std::optional<Message> message = reader.next()) {
     std::visit([&gatherer](auto&& m) { gatherer(std::move(m)); }, std::move(*message));

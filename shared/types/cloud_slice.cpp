@@ -22,6 +22,7 @@ std::vector<CloudSlice> split_slice(const CloudSlice& slice, size_t max_triangle
     used.erase(std::unique(used.begin(), used.end()), used.end());
 
     CloudSlice part{slice.sequence,
+                    slice.segment,
                     slice.timestamp_us,
                     slice.T_odom_camera,
                     slice.voxel_size_m,

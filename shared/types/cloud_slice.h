@@ -13,6 +13,7 @@ namespace kt {
 
 struct CloudSlice {
   int64_t sequence = 0;                   ///< counts the slices of a log, from 0; parts of one share it
+  int segment = 0;                        ///< as StampedPose::segment
   int64_t timestamp_us = 0;               ///< of the frame at which it left the volume
   Pose T_odom_camera = Pose::Identity();  ///< camera pose at that frame
   double voxel_size_m = 0;

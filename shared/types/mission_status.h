@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "shared/core/vec.h"
@@ -16,9 +17,16 @@ struct MissionStatus {
   int64_t frames = 0;        ///< processed
   int64_t frames_good = 0, frames_uncertain = 0, frames_lost = 0;
   int64_t frames_skipped = 0;  ///< unreadable, lost, out of order, of the wrong size or without valid depth
+  std::array<int64_t, kPoseSources> frames_by_source{};  ///< processed, by PoseSource
   int64_t slices = 0, slice_vertices = 0, slice_triangles = 0;
   Vec3i volume_origin_voxel;  ///< lowest voxel of the volume in the odom grid
+  int segment = 0;            ///< the one that the camera is in
+  int segments = 0;           ///< begun so far
+  // Of the last frame:
   TrackingStatus tracking = TrackingStatus::kGood;
+  PoseSource source = PoseSource::kNone;
+  TrackingCause cause = TrackingCause::kNone;
+  double inlier_share = 0;
 };
 
 }  // namespace kt

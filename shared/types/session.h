@@ -11,6 +11,7 @@
 #include "shared/types/keyframe.h"
 #include "shared/types/loop_closure.h"
 #include "shared/types/mission_status.h"
+#include "shared/types/motion_sample.h"
 #include "shared/types/stamped_pose.h"
 
 namespace kt {

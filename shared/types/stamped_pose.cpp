@@ -2,18 +2,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/types/stamped_pose.h"
 
+#include <array>
+
 namespace kt {
+namespace {
+
+template <size_t kCount>
+const char* name_of(const std::array<const char*, kCount>& names, size_t index) {
+  return index < kCount ? names[index] : "unknown";
+}
+
+}  // namespace
 
 const char* to_string(TrackingStatus status) {
-  switch (status) {
-    case TrackingStatus::kGood:
-      return "good";
-    case TrackingStatus::kUncertain:
-      return "uncertain";
-    case TrackingStatus::kLost:
-      return "lost";
-  }
-  return "unknown";
+  return name_of(std::array{"good", "uncertain", "lost"}, static_cast<size_t>(status));
+}
+
+const char* to_string(PoseSource source) {
+  constexpr std::array<const char*, kPoseSources> kNames = {"none",     "start",       "model", "features",
+                                                            "pairwise", "relocalised", "prior"};
+  return name_of(kNames, static_cast<size_t>(source));
+}
+
+const char* to_string(TrackingCause cause) {
+  constexpr std::array<const char*, kTrackingCauses> kNames = {
+      "none", "no depth", "low overlap", "few inliers", "large step", "unconstrained", "unconfirmed"};
+  return name_of(kNames, static_cast<size_t>(cause));
 }
 
 }  // namespace kt

@@ -15,11 +15,11 @@ namespace kt {
 
 /// Every message that travels, in the order of kChannels.
 using Message = std::variant<SessionHeader, StampedPose, CloudSlice, Keyframe, LoopClosure, MissionStatus,
-                             CompressedFrame>;
+                             CompressedFrame, MotionSample>;
 
 inline constexpr std::array<std::string_view, std::variant_size_v<Message>> kChannels = {
     "KINTSUGI_SESSION", "KINTSUGI_POSE",   "KINTSUGI_SLICE", "KINTSUGI_KEYFRAME",
-    "KINTSUGI_LOOP",    "KINTSUGI_STATUS", "KINTSUGI_RGBD"};
+    "KINTSUGI_LOOP",    "KINTSUGI_STATUS", "KINTSUGI_RGBD",  "KINTSUGI_MOTION"};
 
 /// Where T stands in Message and kChannels.
 template <typename T, size_t I = 0>

@@ -8,6 +8,7 @@
 #include "kintsugi/cloud_slice_t.hpp"
 #include "kintsugi/keyframe_t.hpp"
 #include "kintsugi/loop_closure_t.hpp"
+#include "kintsugi/motion_t.hpp"
 #include "kintsugi/pose_t.hpp"
 #include "kintsugi/rgbd_frame_t.hpp"
 #include "kintsugi/session_t.hpp"
@@ -21,13 +22,14 @@ namespace {
 
 // Offsets as in lcmtypes/*.lcm; encode compares every message it makes with them.
 const MessageLayout kSessionLayout{.fixed_bytes = 300, .strings = 3};
-const MessageLayout kPoseLayout{.fixed_bytes = 309};
-const MessageLayout kSliceLayout{.fixed_bytes = 149, .arrays = {{141, 43}, {145, 12}}};
+const MessageLayout kPoseLayout{.fixed_bytes = 348};
+const MessageLayout kSliceLayout{.fixed_bytes = 153, .arrays = {{145, 43}, {149, 12}}};
 const MessageLayout kKeyframeLayout{
     .fixed_bytes = 148, .arrays = {{136, 20}, {140, 1}, {144, 1}}, .strings = 1};
 const MessageLayout kLoopLayout{.fixed_bytes = 321, .arrays = {{317, 24}}, .strings = 1};
-const MessageLayout kStatusLayout{.fixed_bytes = 113};
+const MessageLayout kStatusLayout{.fixed_bytes = 187};
 const MessageLayout kFrameLayout{.fixed_bytes = 52, .arrays = {{44, 1}, {48, 1}}};
+const MessageLayout kMotionLayout{.fixed_bytes = 197};
 
 template <typename Lcm>
 std::vector<uint8_t> seal(Lcm& message, const MessageLayout& layout, int64_t sequence, int64_t timestamp_us) {
@@ -141,7 +143,15 @@ std::vector<uint8_t> encode(const StampedPose& pose, int64_t message_sequence) {
   pack(pose.T_odom_camera, message.T_odom_camera);
   pack(pose.information, message.information);
   message.from_frame = pose.from_sequence;
+  message.inlier_share = pose.quality.inlier_share;
+  message.overlap = pose.quality.overlap;
+  message.residual_m = pose.quality.residual_m;
+  message.conditioning = pose.quality.conditioning;
+  message.segment = pose.segment;
+  message.free_directions = static_cast<int8_t>(pose.quality.free_directions);
   message.status = static_cast<int8_t>(pose.status);
+  message.source = static_cast<int8_t>(pose.source);
+  message.cause = static_cast<int8_t>(pose.cause);
   return seal(message, kPoseLayout, message_sequence, pose.timestamp_us);
 }
 
@@ -149,9 +159,17 @@ DecodeStatus decode(std::span<const uint8_t> bytes, StampedPose& pose) {
   kintsugi::pose_t message{};
   if (const DecodeStatus status = open(bytes, kPoseLayout, message); status != DecodeStatus::kOk)
     return status;
-  return accept(StampedPose{message.frame, message.header.timestamp_us, unpack_pose(message.T_odom_camera),
-                            message.from_frame, unpack_information(message.information),
-                            static_cast<TrackingStatus>(message.status)},
+  return accept(StampedPose{message.frame,
+                            message.header.timestamp_us,
+                            unpack_pose(message.T_odom_camera),
+                            message.from_frame,
+                            unpack_information(message.information),
+                            static_cast<TrackingStatus>(message.status),
+                            message.segment,
+                            static_cast<PoseSource>(message.source),
+                            static_cast<TrackingCause>(message.cause),
+                            {message.inlier_share, message.overlap, message.residual_m, message.conditioning,
+                             message.free_directions}},
                 pose);
 }
 
@@ -159,6 +177,7 @@ std::vector<uint8_t> encode(const CloudSlice& slice, int64_t message_sequence) {
   check_valid(slice, message_sequence);
   kintsugi::cloud_slice_t message{};
   message.slice = slice.sequence;
+  message.segment = slice.segment;
   pack(slice.T_odom_camera, message.T_odom_camera);
   message.voxel_size_m = slice.voxel_size_m;
   message.is_final = slice.is_final;
@@ -195,6 +214,7 @@ DecodeStatus decode(std::span<const uint8_t> bytes, CloudSlice& slice) {
     return status;
   CloudSlice value;
   value.sequence = message.slice;
+  value.segment = message.segment;
   value.timestamp_us = message.header.timestamp_us;
   value.T_odom_camera = unpack_pose(message.T_odom_camera);
   value.voxel_size_m = message.voxel_size_m;
@@ -295,13 +315,19 @@ std::vector<uint8_t> encode(const MissionStatus& status, int64_t message_sequenc
   message.frames_uncertain = status.frames_uncertain;
   message.frames_lost = status.frames_lost;
   message.frames_skipped = status.frames_skipped;
+  std::copy(status.frames_by_source.begin(), status.frames_by_source.end(), message.frames_by_source);
   message.slices = status.slices;
   message.slice_vertices = status.slice_vertices;
   message.slice_triangles = status.slice_triangles;
   message.volume_origin_voxel[0] = status.volume_origin_voxel.x;
   message.volume_origin_voxel[1] = status.volume_origin_voxel.y;
   message.volume_origin_voxel[2] = status.volume_origin_voxel.z;
+  message.segment = status.segment;
+  message.segments = status.segments;
+  message.inlier_share = status.inlier_share;
   message.tracking = static_cast<int8_t>(status.tracking);
+  message.source = static_cast<int8_t>(status.source);
+  message.cause = static_cast<int8_t>(status.cause);
   return seal(message, kStatusLayout, message_sequence, status.timestamp_us);
 }
 
@@ -317,12 +343,19 @@ DecodeStatus decode(std::span<const uint8_t> bytes, MissionStatus& status) {
   value.frames_uncertain = message.frames_uncertain;
   value.frames_lost = message.frames_lost;
   value.frames_skipped = message.frames_skipped;
+  std::copy(std::begin(message.frames_by_source), std::end(message.frames_by_source),
+            value.frames_by_source.begin());
   value.slices = message.slices;
   value.slice_vertices = message.slice_vertices;
   value.slice_triangles = message.slice_triangles;
   value.volume_origin_voxel = {message.volume_origin_voxel[0], message.volume_origin_voxel[1],
                                message.volume_origin_voxel[2]};
+  value.segment = message.segment;
+  value.segments = message.segments;
+  value.inlier_share = message.inlier_share;
   value.tracking = static_cast<TrackingStatus>(message.tracking);
+  value.source = static_cast<PoseSource>(message.source);
+  value.cause = static_cast<TrackingCause>(message.cause);
   return accept(std::move(value), status);
 }
 
@@ -345,6 +378,29 @@ DecodeStatus decode(std::span<const uint8_t> bytes, CompressedFrame& frame) {
   return accept(CompressedFrame{message.frame, message.header.timestamp_us, message.colour_timestamp_us,
                                 std::move(message.depth_png), std::move(message.colour)},
                 frame);
+}
+
+std::vector<uint8_t> encode(const MotionSample& sample, int64_t message_sequence) {
+  check_valid(sample, message_sequence);
+  kintsugi::motion_t message{};
+  message.sample = sample.sequence;
+  pack(sample.T_prior_camera, message.T_prior_camera);
+  std::copy(sample.velocity.begin(), sample.velocity.end(), message.velocity);
+  message.rotation_sigma = sample.rotation_sigma;
+  message.translation_sigma = sample.translation_sigma;
+  message.kind = static_cast<int8_t>(sample.kind);
+  return seal(message, kMotionLayout, message_sequence, sample.timestamp_us);
+}
+
+DecodeStatus decode(std::span<const uint8_t> bytes, MotionSample& sample) {
+  kintsugi::motion_t message{};
+  if (const DecodeStatus status = open(bytes, kMotionLayout, message); status != DecodeStatus::kOk)
+    return status;
+  return accept(
+      MotionSample{message.sample, message.header.timestamp_us, static_cast<MotionSample::Kind>(message.kind),
+                   unpack_pose(message.T_prior_camera), Vector6d(message.velocity), message.rotation_sigma,
+                   message.translation_sigma},
+      sample);
 }
 
 }  // namespace kt

@@ -13,6 +13,7 @@ namespace {
 
 constexpr int64_t kMaxCount = int64_t{1} << 60;  // far beyond any mission, and sums of it do not overflow
 constexpr float kMaxCoordinate_m = 1e6f;
+constexpr double kMaxSpeed = 1e4;  // rad/s, m/s
 constexpr int kMaxDescriptorBytes = 4096;
 
 using enum DecodeStatus;
@@ -21,6 +22,10 @@ bool in_range(int64_t value, int64_t low, int64_t high) { return low <= value &&
 bool is_count(int64_t value) { return in_range(value, 0, kMaxCount); }
 bool is_stamp(int64_t timestamp_us) { return in_range(timestamp_us, -kMaxTimestamp_us, kMaxTimestamp_us); }
 bool is_text(const std::string& text) { return text.find('\0') == std::string::npos; }
+
+bool is_segment(int segment) { return segment >= 0; }
+bool is_source(PoseSource source) { return static_cast<int>(source) < kPoseSources; }
+bool is_cause(TrackingCause cause) { return static_cast<int>(cause) < kTrackingCauses; }
 
 bool is_finite(Vec3f p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 bool is_near(Vec3f p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kMaxCoordinate_m; }
@@ -66,12 +71,20 @@ DecodeStatus validity(const SessionHeader& session) {
 DecodeStatus validity(const StampedPose& pose) {
   if (!is_count(pose.sequence) || !is_stamp(pose.timestamp_us)) return kOutOfRange;
   if (pose.from_sequence < 0 || pose.from_sequence > pose.sequence) return kOutOfRange;
-  if (pose.status > TrackingStatus::kLost) return kOutOfRange;
+  if (pose.status > TrackingStatus::kLost || !is_segment(pose.segment) || !is_source(pose.source) ||
+      !is_cause(pose.cause))
+    return kOutOfRange;
+  const TrackingQuality& quality = pose.quality;
+  if (!std::isfinite(quality.inlier_share) || !std::isfinite(quality.overlap) ||
+      !std::isfinite(quality.residual_m) || !std::isfinite(quality.conditioning))
+    return kNotFinite;
+  if (!in_range(quality.free_directions, 0, 6)) return kOutOfRange;
   return first_of({check_pose(pose.T_odom_camera), check_information(pose.information)});
 }
 
 DecodeStatus validity(const CloudSlice& slice) {
-  if (!is_count(slice.sequence) || !is_stamp(slice.timestamp_us)) return kOutOfRange;
+  if (!is_count(slice.sequence) || !is_stamp(slice.timestamp_us) || !is_segment(slice.segment))
+    return kOutOfRange;
   if (!std::isfinite(slice.voxel_size_m)) return kNotFinite;
   if (slice.voxel_size_m <= 0 || slice.voxel_size_m > 100) return kOutOfRange;
   for (size_t i = 0; i < slice.vertices.size(); ++i) {
@@ -110,18 +123,31 @@ DecodeStatus validity(const LoopClosure& loop) {
 }
 
 DecodeStatus validity(const MissionStatus& status) {
-  const bool sane = is_count(status.sequence) && is_stamp(status.timestamp_us) && is_count(status.frames) &&
-                    is_count(status.frames_good) && is_count(status.frames_uncertain) &&
-                    is_count(status.frames_lost) && is_count(status.frames_skipped) &&
-                    is_count(status.slices) && is_count(status.slice_vertices) &&
-                    is_count(status.slice_triangles);
-  return sane && status.tracking <= TrackingStatus::kLost ? kOk : kOutOfRange;
+  const bool sane =
+      is_count(status.sequence) && is_stamp(status.timestamp_us) && is_count(status.frames) &&
+      is_count(status.frames_good) && is_count(status.frames_uncertain) && is_count(status.frames_lost) &&
+      is_count(status.frames_skipped) && is_count(status.slices) && is_count(status.slice_vertices) &&
+      is_count(status.slice_triangles) && is_segment(status.segment) && status.segments >= 0 &&
+      status.tracking <= TrackingStatus::kLost && is_source(status.source) && is_cause(status.cause) &&
+      std::all_of(status.frames_by_source.begin(), status.frames_by_source.end(), is_count);
+  if (!std::isfinite(status.inlier_share)) return kNotFinite;
+  return sane ? kOk : kOutOfRange;
 }
 
 DecodeStatus validity(const CompressedFrame& frame) {
   const bool sane =
       is_count(frame.sequence) && is_stamp(frame.timestamp_us) && is_stamp(frame.colour_timestamp_us);
   return sane && !frame.depth_png.empty() ? kOk : kOutOfRange;
+}
+
+DecodeStatus validity(const MotionSample& sample) {
+  if (!sample.velocity.allFinite() || !std::isfinite(sample.rotation_sigma) ||
+      !std::isfinite(sample.translation_sigma))
+    return kNotFinite;
+  const bool sane = is_count(sample.sequence) && is_stamp(sample.timestamp_us) &&
+                    sample.kind <= MotionSample::Kind::kVelocity && sample.rotation_sigma >= 0 &&
+                    sample.translation_sigma >= 0 && sample.velocity.cwiseAbs().maxCoeff() <= kMaxSpeed;
+  return sane ? check_pose(sample.T_prior_camera) : kOutOfRange;
 }
 
 }  // namespace kt

@@ -14,5 +14,6 @@ DecodeStatus validity(const Keyframe& keyframe);
 DecodeStatus validity(const LoopClosure& loop);
 DecodeStatus validity(const MissionStatus& status);
 DecodeStatus validity(const CompressedFrame& frame);
+DecodeStatus validity(const MotionSample& sample);
 
 }  // namespace kt

@@ -58,7 +58,7 @@ TEST(LoadSession, GathersEveryMessage) {
   expect_equal(session.loop_closures[0], sample_loop());
   expect_equal(session.last_status, sample_status());
   EXPECT_TRUE(session.integrity.is_sound());
-  EXPECT_EQ(session.integrity.events, 8);
+  EXPECT_EQ(session.integrity.events, 9);
 }
 
 TEST(LoadSession, DamageIsCountedAndTheRestLoaded) {
@@ -70,7 +70,7 @@ TEST(LoadSession, DamageIsCountedAndTheRestLoaded) {
   const Session session = load_session(folder / "b.lcm");
   EXPECT_TRUE(session.integrity.truncated);
   EXPECT_EQ(session.slices.size(), 1u);
-  EXPECT_EQ(integrity_text(session.integrity), "6 events, truncated");
+  EXPECT_EQ(integrity_text(session.integrity), "7 events, truncated");
 }
 
 TEST(LoadSession, ALostSessionEventCostsNoMap) {
@@ -86,7 +86,7 @@ TEST(LoadSession, ALostSessionEventCostsNoMap) {
   EXPECT_EQ(session.header.calibration.name, "unknown");
   EXPECT_EQ(session.header.timestamp_us, sample_stamped_pose().timestamp_us);
   EXPECT_FALSE(session.integrity.is_sound());
-  EXPECT_EQ(integrity_text(session.integrity), "6 events, 1 damaged, no session event");
+  EXPECT_EQ(integrity_text(session.integrity), "7 events, 1 damaged, no session event");
 }
 
 TEST(LoadSession, AMissionThatWasCutShortIsNotSound) {

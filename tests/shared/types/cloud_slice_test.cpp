@@ -8,7 +8,7 @@ namespace kt {
 namespace {
 
 CloudSlice strip(uint32_t triangles) {
-  CloudSlice slice{3, 5, Pose::Identity(), 0.01, true, {}, {}};
+  CloudSlice slice{3, 1, 5, Pose::Identity(), 0.01, true, {}, {}};
   for (uint32_t i = 0; i < triangles + 2; ++i) {
     slice.vertices.emplace_back().key = EdgeKey::of({0, 0, static_cast<int32_t>(i)}, 1);
     if (i >= 2) slice.triangles.push_back({i - 2, i, i - 1});
@@ -24,6 +24,7 @@ TEST(SplitSlice, PartsKeepTheirTrianglesKeysAndOrder) {
   for (const CloudSlice& part : parts) {
     EXPECT_LE(part.triangles.size(), 4u);
     EXPECT_EQ(part.sequence, 3);
+    EXPECT_EQ(part.segment, 1);
     EXPECT_EQ(part.timestamp_us, 5);
     EXPECT_EQ(part.voxel_size_m, 0.01);
     EXPECT_EQ(part.is_final, &part == &parts.back());

@@ -14,5 +14,19 @@ TEST(TrackingStatus, HasAName) {
   EXPECT_STREQ(to_string(static_cast<TrackingStatus>(17)), "unknown");  // as a damaged log may hold
 }
 
+TEST(PoseSource, HasAName) {
+  EXPECT_STREQ(to_string(PoseSource::kNone), "none");
+  EXPECT_STREQ(to_string(PoseSource::kModel), "model");
+  EXPECT_STREQ(to_string(PoseSource::kPrior), "prior");
+  EXPECT_STREQ(to_string(static_cast<PoseSource>(kPoseSources)), "unknown");
+}
+
+TEST(TrackingCause, HasAName) {
+  EXPECT_STREQ(to_string(TrackingCause::kNone), "none");
+  EXPECT_STREQ(to_string(TrackingCause::kFewInliers), "few inliers");
+  EXPECT_STREQ(to_string(TrackingCause::kUnconfirmed), "unconfirmed");
+  EXPECT_STREQ(to_string(static_cast<TrackingCause>(kTrackingCauses)), "unknown");
+}
+
 }  // namespace
 }  // namespace kt

@@ -115,7 +115,7 @@ TEST(Codec, RefusesEveryOtherLength) {
 TEST(Codec, HostileCountsTakeNoMemory) {
   // Offsets of every count and string length; a decoder that believed 0x7fffffff would ask for gigabytes.
   const std::vector<std::pair<Message, std::vector<size_t>>> cases = {
-      {sample_session(), {300}}, {sample_slice(), {141, 145}}, {sample_keyframe(), {136, 140, 144}},
+      {sample_session(), {300}}, {sample_slice(), {145, 149}}, {sample_keyframe(), {136, 140, 144}},
       {sample_loop(), {317}},    {sample_frame(), {44, 48}},
   };
   for (const auto& [message, offsets] : cases) {
@@ -164,12 +164,12 @@ TEST(Codec, RefusesForgedValues) {
   EXPECT_EQ(decode(forged(pose, 136, 99), pose_out), DecodeStatus::kOutOfRange);     // later than the frame
   EXPECT_EQ(decode(forged(pose, 140, kNaN64), pose_out), DecodeStatus::kNotFinite);  // information
   EXPECT_EQ(decode(forged(pose, 140, static_cast<int32_t>(0xbff00000)), pose_out), DecodeStatus::kOutOfRange);
-  EXPECT_EQ(decode(forged(slice, 132, 0x40700000), slice_out), DecodeStatus::kOutOfRange);  // voxels of 256 m
-  EXPECT_EQ(decode(forged(slice, 132, static_cast<int32_t>(0xbff00000)), slice_out),
+  EXPECT_EQ(decode(forged(slice, 136, 0x40700000), slice_out), DecodeStatus::kOutOfRange);  // voxels of 256 m
+  EXPECT_EQ(decode(forged(slice, 136, static_cast<int32_t>(0xbff00000)), slice_out),
             DecodeStatus::kOutOfRange);
-  EXPECT_EQ(decode(forged(slice, 149, -1), slice_out),
+  EXPECT_EQ(decode(forged(slice, 153, -1), slice_out),
             DecodeStatus::kOutOfRange);  // first key beyond the second
-  EXPECT_EQ(decode(forged(slice, 149 + 5 * 8, 0x7fc00000), slice_out), DecodeStatus::kNotFinite);  // first x
+  EXPECT_EQ(decode(forged(slice, 153 + 5 * 8, 0x7fc00000), slice_out), DecodeStatus::kNotFinite);  // first x
   EXPECT_EQ(decode(forged(slice, slice.size() - 4, 5), slice_out),
             DecodeStatus::kOutOfRange);  // index = count
   EXPECT_EQ(decode(forged(slice, slice.size() - 4, -1), slice_out), DecodeStatus::kOutOfRange);

@@ -44,11 +44,15 @@ inline StampedPose sample_stamped_pose(int64_t sequence = 7) {
           sample_pose(0.01 * static_cast<double>(sequence)),
           std::max<int64_t>(0, sequence - 1),
           sample_information(),
-          TrackingStatus::kUncertain};
+          TrackingStatus::kUncertain,
+          2,
+          PoseSource::kFeatures,
+          TrackingCause::kLowOverlap,
+          {0.75, 0.125, 0.003, 1e-3, 4}};
 }
 
 inline CloudSlice sample_slice() {
-  CloudSlice slice{3, 1305031102999999, sample_pose(0.5), 0.01, true, {}, {}};
+  CloudSlice slice{3, 1, 1305031102999999, sample_pose(0.5), 0.01, true, {}, {}};
   for (int i = 0; i < 5; ++i) {
     const auto x = static_cast<float>(i);
     slice.vertices.push_back({EdgeKey::of({i - 2, 1, -3}, i % 3),
@@ -73,18 +77,40 @@ inline LoopClosure sample_loop() {
 }
 
 inline MissionStatus sample_status() {
-  return {
-      4, 1305031103200000, 100, 90, 6, 4, 2, 3, 300000, 600000, {-100, 5, 1 << 19}, TrackingStatus::kLost};
+  return {4,
+          1305031103200000,
+          100,
+          90,
+          6,
+          4,
+          2,
+          {4, 2, 80, 8, 1, 3, 2},
+          3,
+          300000,
+          600000,
+          {-100, 5, 1 << 19},
+          1,
+          2,
+          TrackingStatus::kLost,
+          PoseSource::kPrior,
+          TrackingCause::kNoDepth,
+          0.25};
 }
 
 inline CompressedFrame sample_frame() {
   return {17, 1305031103300000, 1305031103290000, {0x89, 'P', 'N', 'G', 0}, {0xff, 0xd8, 1, 2, 3, 0}};
 }
 
+inline MotionSample sample_motion() {
+  Vector6d velocity;
+  velocity << 0.1, -0.2, 0.3, 1.5, 0, -1.0 / 3;
+  return {9, 1305031103310000, MotionSample::Kind::kVelocity, sample_pose(0.2), velocity, 0.01, 0.02};
+}
+
 /// One of each, in the order of kChannels.
 inline std::vector<Message> sample_messages() {
   return {sample_session(), sample_stamped_pose(), sample_slice(), sample_keyframe(),
-          sample_loop(),    sample_status(),       sample_frame()};
+          sample_loop(),    sample_status(),       sample_frame(), sample_motion()};
 }
 
 inline void expect_equal(const Vec3f& a, const Vec3f& b) {
@@ -113,9 +139,18 @@ inline void expect_equal(const StampedPose& a, const StampedPose& b) {
   EXPECT_EQ(a.from_sequence, b.from_sequence);
   EXPECT_EQ(a.information, b.information);
   EXPECT_EQ(a.status, b.status);
+  EXPECT_EQ(a.segment, b.segment);
+  EXPECT_EQ(a.source, b.source);
+  EXPECT_EQ(a.cause, b.cause);
+  EXPECT_EQ(a.quality.inlier_share, b.quality.inlier_share);
+  EXPECT_EQ(a.quality.overlap, b.quality.overlap);
+  EXPECT_EQ(a.quality.residual_m, b.quality.residual_m);
+  EXPECT_EQ(a.quality.conditioning, b.quality.conditioning);
+  EXPECT_EQ(a.quality.free_directions, b.quality.free_directions);
 }
 inline void expect_equal(const CloudSlice& a, const CloudSlice& b) {
   EXPECT_EQ(a.sequence, b.sequence);
+  EXPECT_EQ(a.segment, b.segment);
   EXPECT_EQ(a.timestamp_us, b.timestamp_us);
   EXPECT_EQ(a.T_odom_camera.matrix(), b.T_odom_camera.matrix());
   EXPECT_EQ(a.voxel_size_m, b.voxel_size_m);
@@ -163,11 +198,17 @@ inline void expect_equal(const MissionStatus& a, const MissionStatus& b) {
   EXPECT_EQ(a.frames_uncertain, b.frames_uncertain);
   EXPECT_EQ(a.frames_lost, b.frames_lost);
   EXPECT_EQ(a.frames_skipped, b.frames_skipped);
+  EXPECT_EQ(a.frames_by_source, b.frames_by_source);
   EXPECT_EQ(a.slices, b.slices);
   EXPECT_EQ(a.slice_vertices, b.slice_vertices);
   EXPECT_EQ(a.slice_triangles, b.slice_triangles);
   EXPECT_EQ(a.volume_origin_voxel, b.volume_origin_voxel);
+  EXPECT_EQ(a.segment, b.segment);
+  EXPECT_EQ(a.segments, b.segments);
   EXPECT_EQ(a.tracking, b.tracking);
+  EXPECT_EQ(a.source, b.source);
+  EXPECT_EQ(a.cause, b.cause);
+  EXPECT_EQ(a.inlier_share, b.inlier_share);
 }
 inline void expect_equal(const CompressedFrame& a, const CompressedFrame& b) {
   EXPECT_EQ(a.sequence, b.sequence);
@@ -175,6 +216,15 @@ inline void expect_equal(const CompressedFrame& a, const CompressedFrame& b) {
   EXPECT_EQ(a.colour_timestamp_us, b.colour_timestamp_us);
   EXPECT_EQ(a.depth_png, b.depth_png);
   EXPECT_EQ(a.colour, b.colour);
+}
+inline void expect_equal(const MotionSample& a, const MotionSample& b) {
+  EXPECT_EQ(a.sequence, b.sequence);
+  EXPECT_EQ(a.timestamp_us, b.timestamp_us);
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.T_prior_camera.matrix(), b.T_prior_camera.matrix());
+  EXPECT_EQ(a.velocity, b.velocity);
+  EXPECT_EQ(a.rotation_sigma, b.rotation_sigma);
+  EXPECT_EQ(a.translation_sigma, b.translation_sigma);
 }
 inline void expect_equal(const Message& a, const Message& b) {
   ASSERT_EQ(a.index(), b.index());

@@ -1,0 +1,27 @@
+// What another sensor of the robot says about the camera's motion: wheel odometry, an inertial unit.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "shared/geometry/se3.h"
+
+namespace kt {
+
+/// One sample; the samples of a mission are of one kind.
+struct MotionSample {
+  enum class Kind : uint8_t {
+    kPose = 0,      ///< of a stream of poses, in a frame that may drift
+    kVelocity = 1,  ///< holds until the next sample
+  };
+
+  int64_t sequence = 0;      ///< counts the samples, from 0
+  int64_t timestamp_us = 0;  ///< sensor clock of the frames
+  Kind kind = Kind::kPose;
+  Pose T_prior_camera = Pose::Identity();  ///< of kPose: depth camera in the frame of the stream
+  Vector6d velocity = Vector6d::Zero();  ///< of kVelocity: of the depth camera in its own frame (rad/s; m/s)
+  double rotation_sigma = 0;     ///< growth of its error (rad per square root of a second); 0 = not measured
+  double translation_sigma = 0;  ///< the same of the translation (m per square root of a second)
+};
+
+}  // namespace kt
