@@ -24,12 +24,16 @@ FrameReport Collector::process(const RgbdFrame& frame) {
     FrameReport report;
     const FrameMaps& maps =
         clock_.measure("preprocess", [&]() -> const FrameMaps& { return preprocessor_.process(frame); });
-    report.pose = clock_.measure(
-        "track", [&] { return odometry_.track(maps, model_, frame.sequence, frame.timestamp_us); });
+    const auto predict = [this](const Pose& T) -> const ModelView& {
+      return *(model_ = &volume_.raycast(T));
+    };
+    report.pose =
+        clock_.measure("track", [&] { return odometry_.track(maps, model_, predict, frame.sequence); });
     report.track = odometry_.last_result();
     publish_pose(report.pose);
     if (report.pose.status != TrackingStatus::kGood) return report;  // doubtful frames are never fused
 
+    if (report.pose.segment != segment_) enter_segment(report.pose);
     const Pose& T_odom_camera = report.pose.T_odom_camera;
     std::optional<CloudSlice> slice = clock_.measure("shift", [&] { return volume_.follow(T_odom_camera); });
     report.shifted = slice.has_value();
@@ -37,10 +41,24 @@ FrameReport Collector::process(const RgbdFrame& frame) {
       clock_.measure("publish", [&] { publish_slice(std::move(*slice), frame.timestamp_us); });
     }
     clock_.measure("integrate", [&] { volume_.integrate(maps, T_odom_camera, frame.sequence); });
+    T_odom_fused_ = T_odom_camera;
     model_ = clock_.measure("raycast", [&] { return &volume_.raycast(T_odom_camera); });
     clock_.measure("remember", [&] { odometry_.remember(maps, *model_); });
     return report;
   });
+}
+
+// What the volume holds stands in another odom frame.
+void Collector::enter_segment(const StampedPose& pose) {
+  publish_slice(flush_volume(), pose.timestamp_us);
+  segment_ = pose.segment;
+}
+
+CloudSlice Collector::flush_volume() {
+  model_ = nullptr;
+  CloudSlice slice = volume_.flush();
+  slice.T_odom_camera = T_odom_fused_;
+  return slice;
 }
 
 void Collector::publish_pose(const StampedPose& pose) {
@@ -57,6 +75,7 @@ void Collector::publish_pose(const StampedPose& pose) {
 void Collector::publish_slice(CloudSlice slice, int64_t timestamp_us) {
   slice.sequence = status_.slices++;
   slice.timestamp_us = timestamp_us;
+  slice.segment = segment_;
   status_.slice_vertices += static_cast<int64_t>(slice.vertices.size());
   status_.slice_triangles += static_cast<int64_t>(slice.triangles.size());
   sink_.on_slice(std::move(slice));
@@ -70,9 +89,8 @@ void Collector::publish_status() {
 }
 
 void Collector::finish() {
-  CloudSlice slice = volume_.flush();
-  slice.T_odom_camera = odometry_.last_good().T_odom_camera;
-  model_ = nullptr;
+  CloudSlice slice = flush_volume();
+  slice.is_final = true;
   publish_slice(std::move(slice), status_.timestamp_us);
 }
 

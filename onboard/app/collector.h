@@ -39,6 +39,8 @@ class Collector {
   void reset_clock() { clock_ = {}; }
 
  private:
+  void enter_segment(const StampedPose& pose);
+  CloudSlice flush_volume();
   void publish_pose(const StampedPose& pose);
   void publish_slice(CloudSlice slice, int64_t timestamp_us);
   void publish_status();
@@ -47,7 +49,9 @@ class Collector {
   Preprocessor preprocessor_;
   Odometry odometry_;
   TsdfVolume volume_;
-  const ModelView* model_ = nullptr;  // null before the first fused frame
+  const ModelView* model_ = nullptr;      // null before the first fused frame of a segment
+  int segment_ = 0;                       // of what the volume holds
+  Pose T_odom_fused_ = Pose::Identity();  // of the last fused frame
   MissionStatus status_;
   StageClock clock_;
 };

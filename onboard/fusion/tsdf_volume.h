@@ -43,7 +43,7 @@ class TsdfVolume {
   /// view must be predicted again afterwards. The first call places the volume and returns nothing.
   std::optional<CloudSlice> follow(const Pose& T_odom_camera);
 
-  /// Exports everything that is left; the volume is empty afterwards.
+  /// Exports everything that is left; the volume is empty afterwards, and placed anew by the next follow().
   CloudSlice flush();
 
   Vec3i origin_voxel() const { return view().origin_voxel(); }

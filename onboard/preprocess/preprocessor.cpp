@@ -56,8 +56,11 @@ Preprocessor::Preprocessor(const exec::Device& device, const Calibration& calibr
   maps_.fusion_pixels = {device, pixels};
   maps_.intensity = {device, calibration.colour};
   PinholeParams camera = camera_;
+  int32_t normal_step = 3;  // 3, 2 and 1 pixels: with less, the disparity steps of the sensor show
   for (SurfaceLevel& level : maps_.levels) {
     level.camera = camera;
+    level.normal_step = normal_step--;
+    level.max_slope = max_slope(camera, config_.max_view_angle_deg);
     level.depth = {device, DepthView::padded_size(camera.width, camera.height)};
     level.normals = {device, camera.pixel_count()};
     camera = camera.half();
@@ -84,6 +87,8 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
   const DepthView measured{measured_depth_.data(), camera_.width, camera_.height};
   SurfaceLevel& full = maps_.levels[0];
 
+  maps_.timestamp_us = frame.timestamp_us;
+  maps_.colour_timestamp_us = frame.colour_timestamp_us;
   raw_depth_.upload(frame.depth.pixels());
   exec::for_each_pixel(
       device_, camera_.width, camera_.height,
@@ -98,7 +103,6 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
   }
   exec::for_each_pixel(device_, camera_.width, camera_.height, filter);
 
-  // Normals look over 3, 2 and 1 pixels: with less, the disparity steps of the sensor show.
   for (int l = 0; l < kPyramidLevels; ++l) {
     SurfaceLevel& level = maps_.levels[static_cast<size_t>(l)];
     const PinholeParams& camera = level.camera;
@@ -107,9 +111,9 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
       exec::for_each_pixel(device_, camera.width, camera.height,
                            HalveDepth{finer.depth_view(), level.depth_view(), level.depth.data()});
     }
-    exec::for_each_pixel(device_, camera.width, camera.height,
-                         ComputeNormal{level.depth_view(), camera, 3 - l,
-                                       max_slope(camera, config_.max_view_angle_deg), level.normals.data()});
+    exec::for_each_pixel(
+        device_, camera.width, camera.height,
+        ComputeNormal{level.depth_view(), camera, level.normal_step, level.max_slope, level.normals.data()});
   }
 
   maps_.has_colour = !frame.colour.empty();

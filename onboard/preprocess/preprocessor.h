@@ -28,13 +28,16 @@ struct SurfaceLevel {
   PinholeParams camera;
   exec::Buffer<float> depth;    ///< filtered, bordered; read through `depth_view()`
   exec::Buffer<Vec4f> normals;  ///< camera frame, w = validity
+  int32_t normal_step = 1;      ///< how the normals were made, see ComputeNormal
+  float max_slope = 0;
   DepthView depth_view() const { return {depth.data(), camera.width, camera.height}; }
 };
 
 /// Everything the later stages read of one frame; lives on the device and is overwritten by the next frame.
 struct FrameMaps {
-  std::array<SurfaceLevel, kPyramidLevels> levels;  ///< 0 = full resolution
-  exec::Buffer<FusionPixel> fusion_pixels;          ///< full resolution
+  int64_t timestamp_us = 0, colour_timestamp_us = 0;  ///< of the depth and of the colour image
+  std::array<SurfaceLevel, kPyramidLevels> levels;    ///< 0 = full resolution
+  exec::Buffer<FusionPixel> fusion_pixels;            ///< full resolution
   IntensityPyramid intensity;  ///< of the colour camera; of an earlier frame without colour
   bool has_colour = false;
 };

@@ -1,10 +1,12 @@
-// Constant velocity in time, a second guess where the first one fits badly, and distrust after a gap.
+// The order of what is tried for a frame, and what is believed of it.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/tracking/odometry.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <tuple>
+#include <utility>
 
 namespace kt {
 namespace {
@@ -14,6 +16,9 @@ constexpr double kDegree = std::numbers::pi / 180;
 // The motion before a gap says little about what comes later than this.
 constexpr double kLongestPrediction_s = 1.0;
 
+// The last good frame shares enough of the view for so long.
+constexpr double kLongestPairwise_s = 0.3;
+
 // A pose that is not good may be anywhere near: its edge must not outweigh a good one.
 constexpr double kUncertainInformation = 1e-2;
 
@@ -21,89 +26,280 @@ constexpr double kUncertainInformation = 1e-2;
 // factor.
 constexpr double kFrameRate_hz = 30, kLargestStepFactor = 4;
 
+// A view predicted from a pose as near as this serves for the frame.
+constexpr double kSameView_m = 0.15, kSameView_rad = 10 * kDegree;
+
+// Poses of one frame found by different means agree within this.
+constexpr double kAgreement_m = 0.04, kAgreement_rad = 2 * kDegree;
+
+// A camera that is found again shows so much of the keyframe, and is confirmed within this time.
+constexpr double kLeastKeyframeOverlap = 0.3, kLongestConfirmation_s = 0.5;
+
+// Of the time between two frames, this much counts as search: a gap is none.
+constexpr int64_t kLongestSearch_us = 200'000;
+
+bool is_within(const Pose& T, double distance_m, double angle_rad) {
+  return T.translation().norm() <= distance_m && rotation_angle(T) <= angle_rad;
+}
+
+double seconds(int64_t from_us, int64_t to_us) { return static_cast<double>(to_us - from_us) * 1e-6; }
+
+double step_factor(double dt_s) { return std::clamp(dt_s * kFrameRate_hz, 1.0, kLargestStepFactor); }
+
 }  // namespace
 
 Odometry::Odometry(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config)
     : config_(config),
       tracker_(device, calibration, config),
       rotation_aligner_(device, calibration),
-      reference_(device, calibration, calibration.depth.pinhole().half().pixel_count()) {}
+      reference_(device, calibration, calibration.depth.pinhole().half().pixel_count()),
+      keyframes_(device, calibration, config),
+      views_(device, calibration) {}
 
 void Odometry::remember(const FrameMaps& maps, const ModelView& model) {
   rotation_aligner_.remember(maps);
+  last_surface_ = views_.keep(maps, std::move(last_surface_));
+  keyframes_.remember(last_good_.sequence, last_good_.segment, last_good_.T_odom_camera);
   const Pose T_reference_model = reference_.T_odom_reference().inverse() * model.T_odom_camera;
-  const bool is_near = T_reference_model.translation().norm() <= config_.reference_distance_m &&
-                       rotation_angle(T_reference_model) <= config_.reference_angle_deg * kDegree;
+  const bool is_near =
+      is_within(T_reference_model, config_.reference_distance_m, config_.reference_angle_deg * kDegree);
   if (is_near && !reference_.is_empty()) return;
-  reference_.take(maps, model);
+  reference_.take(maps, model, shutter_motion(maps, velocity_));
   exposure_ = {};
 }
 
-StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, int64_t sequence,
-                            int64_t timestamp_us) {
-  const double dt_s = static_cast<double>(timestamp_us - last_good_.timestamp_us) * 1e-6;
-  if (model) {
-    result_ = best_of_guesses(maps, *model, dt_s);
-    // After a gap, or frames that were doubtful, a fair fit may be a wrong one.
-    if (result_.status == TrackingStatus::kGood && is_return(timestamp_us) &&
-        result_.inlier_share < config_.return_inlier_share)
-      result_.status = TrackingStatus::kUncertain;
+StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, const PredictSurface& predict,
+                            int64_t sequence) {
+  keyframes_.look_at(maps);
+  if (!model) return start_segment(maps, sequence);
+  Estimate estimate;
+  if (const auto confirmed = confirm(maps, predict)) {
+    estimate = *confirmed;
   } else {
-    result_ = {};
-    if (tracker_.measured_share(maps) >= config_.min_measured_share) result_.status = TrackingStatus::kGood;
+    estimate = follow(maps, *model, predict);
+    const bool is_search = estimate.result.status != TrackingStatus::kGood && frames_since_good_ > 0;
+    if (is_search) {
+      if (const auto found = relocalise(maps, predict)) estimate = *found;
+    }
   }
-
-  StampedPose pose;
-  pose.sequence = sequence;
-  pose.timestamp_us = timestamp_us;
-  pose.from_sequence = model ? last_good_.sequence : sequence;
-  pose.status = result_.status;
-  pose.T_odom_camera = result_.T_odom_camera;
-  if (pose.status == TrackingStatus::kGood) {
-    pose.information = result_.information;
-    if (model) velocity_ = log_se3(last_good_.T_odom_camera.inverse() * pose.T_odom_camera) / dt_s;
-    last_good_ = pose;
-    exposure_ = result_.exposure;
-  } else if (pose.status == TrackingStatus::kUncertain) {
-    pose.information = kUncertainInformation * result_.information;
-  } else {
-    pose.T_odom_camera = last_good_.T_odom_camera;
-    pose.information = Matrix6d::Identity();  // 1 rad and 1 m
+  if (estimate.result.status != TrackingStatus::kGood &&
+      estimate.result.cause != TrackingCause::kUnconstrained &&
+      tracker_.measured_share(maps) >= config_.min_measured_share) {
+    usable_lost_us_ += std::min(maps.timestamp_us - last_us_, kLongestSearch_us);
+    if (static_cast<double>(usable_lost_us_) * 1e-6 >= config_.new_segment_after_s)
+      return start_segment(maps, sequence);
   }
-  last_was_good_ = pose.status == TrackingStatus::kGood;
-  last_interval_us_ = timestamp_us - last_us_;
-  last_us_ = timestamp_us;
-  return pose;
+  return conclude(maps, estimate, sequence);
 }
 
-TrackResult Odometry::best_of_guesses(const FrameMaps& maps, const ModelView& model, double dt_s) {
-  const double step_factor = std::clamp(dt_s * kFrameRate_hz, 1.0, kLargestStepFactor);
+Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& model,
+                                    const PredictSurface& predict) {
   const Pose& T_odom_last = last_good_.T_odom_camera;
+  const double dt_s = seconds(last_good_.timestamp_us, maps.timestamp_us);
+  const auto guess_at = [&](const Pose& T_odom_camera) {
+    TrackGuess guess{T_odom_camera, exposure_};
+    guess.velocity = log_se3(T_odom_last.inverse() * T_odom_camera) / dt_s;
+    return guess;
+  };
+  const ModelView* view = &model;
+  const auto view_at = [&](const Pose& T) -> const ModelView& {
+    if (!is_within(view->T_odom_camera.inverse() * T, kSameView_m, kSameView_rad)) view = &predict(T);
+    return *view;
+  };
+  Estimate best;
+  const auto attempt = [&](const PhotometricReference* reference, const Pose& T_guess, const ModelView& seen,
+                           PoseSource source) {
+    const Estimate estimate = by_model(maps, seen, reference, guess_at(T_guess), source);
+    const auto rank = [](const Estimate& e) {
+      return std::tuple(e.result.status, -e.result.quality.inlier_share);
+    };
+    if (best.source == PoseSource::kNone || rank(estimate) < rank(best)) best = estimate;
+    best.is_sure = best.result.status == TrackingStatus::kGood &&
+                   best.result.quality.inlier_share >= config_.sure_inlier_share;
+  };
+
   const Pose T_last_moved = exp_se3(velocity_ * std::min(dt_s, kLongestPrediction_s));
   Pose T_last_turned = T_last_moved;
   T_last_turned.linear() = rotation_aligner_.align(maps, T_last_moved.linear());
-  struct Attempt {
-    Pose T_last_next;
-    const PhotometricReference* reference;
-  };
-  const Attempt attempts[] = {
-      {T_last_turned, &reference_},    // as the images turned
-      {T_last_moved, nullptr},         // after a gap the reference may look elsewhere, and mislead
-      {Pose::Identity(), &reference_}  // a camera that stopped or turned round
-  };
-  TrackResult best;
-  for (const Attempt& attempt : attempts) {
-    const TrackResult result = tracker_.track(maps, model, attempt.reference,
-                                              T_odom_last * attempt.T_last_next, exposure_, step_factor);
-    if (std::tuple(result.status, -result.inlier_share) < std::tuple(best.status, -best.inlier_share))
-      best = result;
-    if (best.status == TrackingStatus::kGood && best.inlier_share >= config_.sure_inlier_share) break;
+  const Pose T_odom_guess = T_odom_last * T_last_turned;
+  attempt(&reference_, T_odom_guess, view_at(T_odom_last), PoseSource::kModel);
+  if (best.is_sure) return best;
+
+  const auto found = keyframes_.find_near(last_good_.segment, T_odom_guess);
+  const bool has_features = found && found->alignment.status == FeatureStatus::kOk;
+  if (has_features)
+    attempt(&reference_, found->T_odom_camera, view_at(found->T_odom_camera), PoseSource::kFeatures);
+  if (!best.is_sure && dt_s <= kLongestPairwise_s) {
+    const Pose& T_start = has_features ? found->T_odom_camera : T_odom_last;
+    const TrackResult pairwise =
+        tracker_.track(maps, views_.view(last_surface_, T_odom_last), nullptr, guess_at(T_start));
+    if (pairwise.status == TrackingStatus::kGood)
+      attempt(nullptr, pairwise.T_odom_camera, view_at(pairwise.T_odom_camera), PoseSource::kPairwise);
+  }
+  if (!has_features) return best;
+
+  // Features and surface are independent witnesses.
+  const Pose T_found_best = found->T_odom_camera.inverse() * best.result.T_odom_camera;
+  if (is_within(T_found_best, kAgreement_m, kAgreement_rad)) {
+    best.is_sure = best.result.status == TrackingStatus::kGood;
+  } else if (!best.is_sure) {
+    best.result.T_odom_camera = found->T_odom_camera;
+    if (best.result.status == TrackingStatus::kGood) best.result.cause = TrackingCause::kUnconfirmed;
+    best.result.status = TrackingStatus::kUncertain;
+    best.source = PoseSource::kFeatures;
+    best.information = found->alignment.information;
+    best.from_sequence = keyframes_.keyframe(found->keyframe).sequence;
   }
   return best;
 }
 
-bool Odometry::is_return(int64_t timestamp_us) const {
-  return !last_was_good_ || 2 * (timestamp_us - last_us_) > 5 * last_interval_us_;
+Odometry::Estimate Odometry::by_model(const FrameMaps& maps, const ModelView& model,
+                                      const PhotometricReference* reference, const TrackGuess& guess,
+                                      PoseSource source) {
+  Estimate estimate;
+  estimate.source = source;
+  estimate.segment = last_good_.segment;
+  estimate.from_sequence = last_good_.sequence;
+  estimate.result = tracker_.track(maps, model, reference, guess);
+  estimate.information =
+      transported(estimate.result.information, model.T_odom_camera.inverse() * last_good_.T_odom_camera);
+  const double factor = step_factor(seconds(last_good_.timestamp_us, maps.timestamp_us));
+  const Pose T_last_current = last_good_.T_odom_camera.inverse() * estimate.result.T_odom_camera;
+  if (!is_within(T_last_current, factor * config_.max_step_m, factor * config_.max_step_deg * kDegree)) {
+    estimate.result.status = TrackingStatus::kLost;
+    estimate.result.cause = TrackingCause::kLargeStep;
+  }
+  return estimate;
+}
+
+std::optional<Odometry::Estimate> Odometry::relocalise(const FrameMaps& maps, const PredictSurface& predict) {
+  const auto found = keyframes_.find_anywhere();
+  if (!found) return std::nullopt;
+  Estimate estimate = by_keyframe(maps, predict, found->keyframe, found->T_odom_camera);
+  if (estimate.result.status != TrackingStatus::kGood) return std::nullopt;
+  candidate_ = Candidate{estimate.result.T_odom_camera, maps.timestamp_us, found->keyframe};
+  estimate.result.status = TrackingStatus::kUncertain;
+  estimate.result.cause = TrackingCause::kUnconfirmed;
+  return estimate;
+}
+
+std::optional<Odometry::Estimate> Odometry::confirm(const FrameMaps& maps, const PredictSurface& predict) {
+  if (!candidate_) return std::nullopt;
+  const Candidate candidate = *std::exchange(candidate_, std::nullopt);
+  const double dt_s = seconds(candidate.timestamp_us, maps.timestamp_us);
+  if (dt_s > kLongestConfirmation_s) return std::nullopt;
+  Pose T_guess = candidate.T_odom_camera;
+  const auto found = keyframes_.find_near(keyframes_.keyframe(candidate.keyframe).segment, T_guess);
+  if (found && found->alignment.status == FeatureStatus::kOk) T_guess = found->T_odom_camera;
+  const Estimate estimate = by_keyframe(maps, predict, candidate.keyframe, T_guess);
+  const Pose T_step = candidate.T_odom_camera.inverse() * estimate.result.T_odom_camera;
+  const double factor = step_factor(dt_s);
+  if (estimate.result.status != TrackingStatus::kGood ||
+      !is_within(T_step, factor * config_.max_step_m, factor * config_.max_step_deg * kDegree))
+    return std::nullopt;
+  return estimate;
+}
+
+Odometry::Estimate Odometry::by_keyframe(const FrameMaps& maps, const PredictSurface& predict, int index,
+                                         const Pose& T_odom_guess) {
+  const StoredKeyframe& keyframe = keyframes_.keyframe(index);
+  Estimate estimate;
+  estimate.source = PoseSource::kRelocalised;
+  estimate.segment = keyframe.segment;
+  estimate.from_sequence = keyframe.sequence;
+  const auto align = [&](const ModelView& view, const Pose& T_guess) {
+    const TrackResult result = tracker_.track(maps, view, nullptr, {T_guess});
+    const bool is_fit =
+        result.status == TrackingStatus::kGood && result.quality.inlier_share >= config_.return_inlier_share;
+    return std::pair(result, is_fit);
+  };
+  const auto [seen, is_fit] = align(views_.view(keyframe.surface, keyframe.T_odom_camera), T_odom_guess);
+  estimate.result = seen;
+  estimate.information = seen.information;
+  if (!is_fit || seen.quality.overlap < kLeastKeyframeOverlap || seen.quality.free_directions > 0) {
+    estimate.result.status = TrackingStatus::kLost;
+    return estimate;
+  }
+  if (keyframe.segment != last_good_.segment) return estimate;
+  // Where the volume still holds the place, its surface decides.
+  const ModelView& model = predict(seen.T_odom_camera);
+  const auto [result, is_model_fit] = align(model, seen.T_odom_camera);
+  if (result.quality.overlap < kLeastKeyframeOverlap) return estimate;
+  estimate.result = result;
+  estimate.information =
+      transported(result.information, model.T_odom_camera.inverse() * keyframe.T_odom_camera);
+  if (!is_model_fit) estimate.result.status = TrackingStatus::kLost;
+  return estimate;
+}
+
+StampedPose Odometry::start_segment(const FrameMaps& maps, int64_t sequence) {
+  Estimate estimate;
+  if (tracker_.measured_share(maps) >= config_.min_measured_share) {
+    estimate.result.status = TrackingStatus::kGood;
+    estimate.result.cause = TrackingCause::kNone;
+    estimate.source = PoseSource::kStart;
+    estimate.from_sequence = sequence;
+    estimate.segment = segments_++;
+    estimate.is_sure = true;
+  }
+  return conclude(maps, estimate, sequence);
+}
+
+StampedPose Odometry::conclude(const FrameMaps& maps, const Estimate& estimate, int64_t sequence) {
+  result_ = estimate.result;
+  const int64_t interval_us = maps.timestamp_us - last_us_;
+  const double dt_s = seconds(last_good_.timestamp_us, maps.timestamp_us);
+  const bool is_followed =
+      estimate.source != PoseSource::kStart && estimate.source != PoseSource::kRelocalised;
+  if (result_.status == TrackingStatus::kGood && is_followed) {
+    // After a gap, or frames that were doubtful, a fair fit may be a wrong one.
+    const bool is_return = frames_since_good_ > 0 || 2 * interval_us > 5 * last_interval_us_;
+    unconstrained_us_ = result_.quality.free_directions > 0 ? unconstrained_us_ + interval_us : 0;
+    if (is_return && !estimate.is_sure && result_.quality.inlier_share < config_.return_inlier_share) {
+      result_.status = TrackingStatus::kUncertain;
+      result_.cause = TrackingCause::kUnconfirmed;
+    } else if (static_cast<double>(unconstrained_us_) * 1e-6 > config_.max_unconstrained_s) {
+      result_.status = TrackingStatus::kUncertain;
+      result_.cause = TrackingCause::kUnconstrained;
+    }
+  }
+
+  StampedPose pose;
+  pose.sequence = sequence;
+  pose.timestamp_us = maps.timestamp_us;
+  pose.from_sequence = estimate.from_sequence;
+  pose.status = result_.status;
+  pose.T_odom_camera = result_.T_odom_camera;
+  pose.segment = estimate.segment;
+  pose.source = estimate.source;
+  pose.cause = result_.cause;
+  pose.quality = result_.quality;
+  pose.information = estimate.information;
+  if (pose.status == TrackingStatus::kGood) {
+    velocity_ = is_followed
+                    ? Vector6d(log_se3(last_good_.T_odom_camera.inverse() * pose.T_odom_camera) / dt_s)
+                    : Vector6d(Vector6d::Zero());
+    if (!is_followed) reference_.forget();
+    last_good_ = pose;
+    exposure_ = result_.exposure;
+    frames_since_good_ = 0;
+    usable_lost_us_ = 0;
+    candidate_.reset();
+  } else {
+    ++frames_since_good_;
+    if (pose.status == TrackingStatus::kUncertain) {
+      pose.information *= kUncertainInformation;
+    } else {
+      pose.T_odom_camera = last_good_.T_odom_camera;
+      pose.from_sequence = last_good_.sequence;
+      pose.segment = last_good_.segment;
+      pose.source = PoseSource::kNone;
+      pose.information = Matrix6d::Identity();  // 1 rad and 1 m
+    }
+  }
+  last_interval_us_ = interval_us;
+  last_us_ = maps.timestamp_us;
+  return pose;
 }
 
 }  // namespace kt

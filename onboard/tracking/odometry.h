@@ -1,8 +1,13 @@
-// Follows the camera from frame to frame: where it may be, where the tracker finds it, and whether that is
-// believed.
+// Follows the camera from frame to frame: where it may be, where it is found, by which means, and whether
+// that is believed.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+#include <optional>
+
+#include "onboard/tracking/frame_view.h"
+#include "onboard/tracking/keyframe_tracker.h"
 #include "onboard/tracking/photometric_reference.h"
 #include "onboard/tracking/rotation_aligner.h"
 #include "onboard/tracking/tracker.h"
@@ -11,16 +16,21 @@ namespace kt {
 
 class Odometry {
  public:
+  /// The model surface as seen from a pose; the view replaces the one before it.
+  using PredictSurface = std::function<const ModelView&(const Pose& T_odom_camera)>;
+
   Odometry(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config);
 
-  /// Finds the pose of the next frame, whose stamp lies after the last one's. `model` is the surface as
-  /// predicted from the last good pose, null as long as there was none: the first frame that measures enough
-  /// is good, and its camera is the odom frame. The pose's edge starts at the last good frame; a lost frame
-  /// repeats its pose, with next to no information.
-  StampedPose track(const FrameMaps& maps, const ModelView* model, int64_t sequence, int64_t timestamp_us);
+  /// Finds the pose of the next frame, whose stamp lies after the last one's. `model` is the surface as last
+  /// predicted, null as long as there was none: the first frame that measures enough is good, and its camera
+  /// is the odom frame of its segment. The pose's edge starts at the last good frame or, of a camera found
+  /// again, at a keyframe; a lost frame repeats the last good pose, with next to no information. A good pose
+  /// of another segment than the last one's needs another model: that of its own segment, or an empty one.
+  StampedPose track(const FrameMaps& maps, const ModelView* model, const PredictSurface& predict,
+                    int64_t sequence);
 
   /// Looks at a frame that was fused, and the model view predicted from its pose: later frames are compared
-  /// with them.
+  /// with them. Right after track() of that frame.
   void remember(const FrameMaps& maps, const ModelView& model);
 
   /// What the tracker found for the last frame, whatever became of it.
@@ -29,19 +39,49 @@ class Odometry {
   const StampedPose& last_good() const { return last_good_; }
 
  private:
-  TrackResult best_of_guesses(const FrameMaps& maps, const ModelView& model, double dt_s);
-  bool is_return(int64_t timestamp_us) const;
+  /// A pose with all that is known of it.
+  struct Estimate {
+    TrackResult result;
+    PoseSource source = PoseSource::kNone;
+    Matrix6d information = Matrix6d::Zero();  // of the edge from `from`
+    int64_t from_sequence = 0;
+    int segment = 0;
+    bool is_sure = false;  // the fallbacks have nothing to add
+  };
+  /// A camera found again, whose next frame is to confirm it.
+  struct Candidate {
+    Pose T_odom_camera = Pose::Identity();
+    int64_t timestamp_us = 0;
+    int keyframe = -1;
+  };
+
+  Estimate follow(const FrameMaps& maps, const ModelView& model, const PredictSurface& predict);
+  Estimate by_model(const FrameMaps& maps, const ModelView& model, const PhotometricReference* reference,
+                    const TrackGuess& guess, PoseSource source);
+  std::optional<Estimate> confirm(const FrameMaps& maps, const PredictSurface& predict);
+  std::optional<Estimate> relocalise(const FrameMaps& maps, const PredictSurface& predict);
+  Estimate by_keyframe(const FrameMaps& maps, const PredictSurface& predict, int index,
+                       const Pose& T_odom_guess);
+  StampedPose start_segment(const FrameMaps& maps, int64_t sequence);
+  StampedPose conclude(const FrameMaps& maps, const Estimate& estimate, int64_t sequence);
 
   TrackingConfig config_;
   Tracker tracker_;
   RotationAligner rotation_aligner_;
   PhotometricReference reference_;
-  Exposure exposure_;  // of the last good frame against the reference
+  KeyframeTracker keyframes_;
+  FrameViews views_;
+  KeptSurface last_surface_;  // of the last good frame
+  Exposure exposure_;         // of the last good frame against the reference
   TrackResult result_;
   StampedPose last_good_;
   Vector6d velocity_ = Vector6d::Zero();  // of the camera in its own frame, per second
+  std::optional<Candidate> candidate_;
+  int segments_ = 0;
   int64_t last_us_ = 0, last_interval_us_ = 0;
-  bool last_was_good_ = true;
+  int64_t unconstrained_us_ = 0;  // how long good frames have left a direction to the motion model
+  int64_t usable_lost_us_ = 0;    // time of usable frames since the last good one
+  int frames_since_good_ = 0;
 };
 
 }  // namespace kt

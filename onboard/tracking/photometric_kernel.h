@@ -148,11 +148,4 @@ struct GatherPhotometricPoint {
   KT_HOST_DEVICE void operator()(int64_t i) const { points[i] = candidates[indices[i]]; }
 };
 
-/// Copies an image, for later.
-struct CopyIntensity {
-  const float* from;
-  float* to;
-  KT_HOST_DEVICE void operator()(int64_t i) const { to[i] = from[i]; }
-};
-
 }  // namespace kt

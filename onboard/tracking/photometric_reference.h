@@ -16,8 +16,12 @@ class PhotometricReference {
   /// For model views of `model_pixels` pixels.
   PhotometricReference(const exec::Device& device, const Calibration& calibration, int64_t model_pixels);
 
-  /// Takes a fused frame and the model view predicted from its pose.
-  void take(const FrameMaps& maps, const ModelView& model);
+  /// Takes a fused frame and the model view predicted from its pose. `T_camera_shutter` is the pose of the
+  /// depth camera at the time of the colour image, in the depth camera at the time of the depth image.
+  void take(const FrameMaps& maps, const ModelView& model, const Pose& T_camera_shutter = Pose::Identity());
+
+  /// As if nothing had been taken.
+  void forget() { counts_ = {}; }
 
   /// Where there is none yet, or its frame had no texture or colour, no point.
   int64_t point_count(int level) const { return counts_[static_cast<size_t>(level)]; }
@@ -25,9 +29,10 @@ class PhotometricReference {
   const Pose& T_odom_reference() const { return T_odom_reference_; }
 
   /// Residuals of a frame at intensity level `level`, for the model view whose camera stands at T_odom_model;
-  /// `sigma` is their expected size (grey levels).
+  /// `sigma` is their expected size (grey levels), `T_camera_shutter` as for take.
   PhotometricResidual residual(const FrameMaps& maps, int level, const Pose& T_odom_model,
-                               const Pose& T_model_current, const Exposure& exposure, float sigma) const;
+                               const Pose& T_model_current, const Exposure& exposure, float sigma,
+                               const Pose& T_camera_shutter = Pose::Identity()) const;
 
  private:
   exec::Device device_;

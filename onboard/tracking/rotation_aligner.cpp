@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "onboard/tracking/frame_view_kernel.h"
 #include "shared/exec/for_each.h"
 
 namespace kt {
@@ -59,17 +60,24 @@ RotationAligner::RotationAligner(const exec::Device& device, const Calibration& 
 
 void RotationAligner::remember(const FrameMaps& maps) {
   has_last_ = maps.has_colour;
+  last_us_ = maps.timestamp_us;
+  last_colour_us_ = maps.colour_timestamp_us;
   if (!has_last_) return;
   const IntensityLevel& intensity = maps.intensity.level(kLevel);
-  exec::for_each(device_, intensity.camera.pixel_count(),
-                 CopyIntensity{intensity.levels.data(), last_.data()});
+  exec::for_each(device_, intensity.camera.pixel_count(), CopyFloats{intensity.levels.data(), last_.data()});
 }
 
 Eigen::Matrix3d RotationAligner::align(const FrameMaps& maps, const Eigen::Matrix3d& R_guess) {
-  if (!has_last_ || !maps.has_colour) return R_guess;
+  // The images' stamps lie apart otherwise than those of the depth images: what turned between them is
+  // scaled.
+  const auto interval_us = static_cast<double>(maps.timestamp_us - last_us_),
+             colour_interval_us = static_cast<double>(maps.colour_timestamp_us - last_colour_us_);
+  if (!has_last_ || !maps.has_colour || interval_us <= 0 || colour_interval_us <= 0) return R_guess;
+  const double scale = colour_interval_us / interval_us;
   const IntensityLevel& intensity = maps.intensity.level(kLevel);
   const int64_t pixels = intensity.camera.pixel_count();
-  Eigen::Matrix3d R_last_current = R_colour_depth_ * R_guess * R_colour_depth_.transpose();
+  Eigen::Matrix3d R_last_current =
+      R_colour_depth_ * exp_so3(scale * log_so3(R_guess)) * R_colour_depth_.transpose();
   Exposure exposure;
   double first_cost = 0;
   Eigen::Matrix3d best = R_last_current;
@@ -92,7 +100,7 @@ Eigen::Matrix3d RotationAligner::align(const FrameMaps& maps, const Eigen::Matri
     if (step.head<3>().norm() < 1e-4) break;
   }
   if (!(best_cost < first_cost)) return R_guess;
-  return R_colour_depth_.transpose() * best * R_colour_depth_;
+  return exp_so3(log_so3(R_colour_depth_.transpose() * best * R_colour_depth_) / scale);
 }
 
 }  // namespace kt

@@ -25,6 +25,7 @@ class RotationAligner {
   Eigen::Matrix3d R_colour_depth_;
   exec::Buffer<float> last_;
   bool has_last_ = false;
+  int64_t last_us_ = 0, last_colour_us_ = 0;
   exec::ReductionWorkspace workspace_;
 };
 

@@ -27,8 +27,8 @@ constexpr double kLeverArmM = 2.0;
 // error of depth that all points of an edge share.
 constexpr double kGeometricCorrelation = 50, kPhotometricCorrelation = 500;
 
-// Texture that tells a direction to a centimetre holds it where geometry does not.
-constexpr double kLeastPhotometricInformation = 1 / (0.01 * 0.01);
+// Texture, or another sensor, that tells a direction to a centimetre holds it where geometry does not.
+constexpr double kLeastOtherInformation = 1 / (0.01 * 0.01);
 
 // Robust scale of photometric residuals in grey levels: where it starts, and what it may become.
 constexpr double kFirstSigma = 8, kLeastSigma = 2, kLargestSigma = 30;
@@ -44,7 +44,7 @@ Vector6d lever_scale() {
 
 // What all residuals say together about the pose, and the exposure as far as it depends on the pose.
 struct JointEquations {
-  Matrix6d A = Matrix6d::Zero(), A_photometric = Matrix6d::Zero();
+  Matrix6d A = Matrix6d::Zero(), A_other = Matrix6d::Zero();  // other: all but geometry
   Vector6d b = Vector6d::Zero();
   Eigen::Matrix2d A_exposure = Eigen::Matrix2d::Identity();
   Eigen::Matrix<double, 2, 6> A_exposure_pose = Eigen::Matrix<double, 2, 6>::Zero();
@@ -65,31 +65,40 @@ struct JointEquations {
     b_exposure = g.tail<2>();
     // The exposure eliminated (Schur complement).
     const Eigen::Matrix<double, 2, 6> share = A_exposure.inverse() * A_exposure_pose;
-    A_photometric = H.topLeftCorner<6, 6>() - A_exposure_pose.transpose() * share;
+    const Matrix6d A_photometric = H.topLeftCorner<6, 6>() - A_exposure_pose.transpose() * share;
+    A_other += A_photometric;
     A += A_photometric;
     b += g.head<6>() - share.transpose() * b_exposure;
+  }
+  // r = log(T_model_current T_model_motion^-1), whose derivative by the left perturbation is near the
+  // identity.
+  void add_motion(const Matrix6d& information, const Vector6d& difference) {
+    A_other += information;
+    A += information;
+    b += information * difference;
   }
   Eigen::Vector2d exposure_step(const Vector6d& pose_step) const {
     return -A_exposure.inverse() * (b_exposure + A_exposure_pose * pose_step);
   }
 };
 
-// Gauss-Newton step; zero along the eigenvectors of the normalised Hessian that neither geometry nor texture
-// constrains. `weights`: information of a direction that every geometric residual constrains.
-Vector6d solve(const JointEquations& equations, double weights, double min_eigenvalue, TrackResult* result) {
+// Gauss-Newton step; zero along the eigenvectors of the normalised Hessian that nothing constrains.
+// `weights`: information of a direction that every geometric residual constrains.
+Vector6d solve(const JointEquations& equations, double weights, double min_eigenvalue,
+               TrackingQuality* quality) {
   const Vector6d scale = lever_scale();
   const Matrix6d normalised = scale.asDiagonal() * (equations.A / weights) * scale.asDiagonal();
-  const Matrix6d photometric = scale.asDiagonal() * equations.A_photometric * scale.asDiagonal();
+  const Matrix6d other = scale.asDiagonal() * equations.A_other * scale.asDiagonal();
   const Vector6d gradient = scale.asDiagonal() * (equations.b / weights);
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(normalised);
-  result->min_eigenvalue = eigen.eigenvalues()(0);
-  result->free_directions = 0;
+  quality->conditioning = eigen.eigenvalues()(0);
+  quality->free_directions = 0;
   Vector6d step = Vector6d::Zero();
   for (int k = 0; k < 6; ++k) {
     const Vector6d direction = eigen.eigenvectors().col(k);
     if (eigen.eigenvalues()(k) < min_eigenvalue &&
-        direction.dot(photometric * direction) < kLeastPhotometricInformation) {
-      ++result->free_directions;
+        direction.dot(other * direction) < kLeastOtherInformation) {
+      ++quality->free_directions;
       continue;
     }
     step -= direction * (direction.dot(gradient) / eigen.eigenvalues()(k));
@@ -114,14 +123,17 @@ Tracker::Tracker(const exec::Device& device, const Calibration& calibration, con
     : device_(device), config_(config), workspace_(device, calibration.depth.pinhole().pixel_count()) {}
 
 TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
-                           const PhotometricReference* reference, const Pose& T_odom_guess,
-                           const Exposure& exposure, double step_factor) {
+                           const PhotometricReference* reference, const TrackGuess& guess) {
   constexpr int64_t kFewestPixels = 200;
   const bool has_colour =
       reference && maps.has_colour && !reference->is_empty() && config_.photometric_weight > 0;
+  const Pose T_camera_shutter = shutter_motion(maps, guess.velocity);
+  const Pose T_model_motion = model.T_odom_camera.inverse() * guess.T_odom_motion;
+  const Matrix6d motion_information = transported(guess.motion_information, model.T_odom_camera);
+  const bool has_motion = !guess.motion_information.isZero(0);
   TrackResult result;
-  result.exposure = exposure;
-  Pose T_model_current = model.T_odom_camera.inverse() * T_odom_guess;
+  result.exposure = guess.exposure;
+  Pose T_model_current = model.T_odom_camera.inverse() * guess.T_odom_camera;
   exec::NormalEquations geometric;
   JointEquations joint;
   double sigma = kFirstSigma;
@@ -140,7 +152,7 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
         const int intensity_level = level - 1;
         const PhotometricResidual residual =
             reference->residual(maps, intensity_level, model.T_odom_camera, T_model_current, result.exposure,
-                                static_cast<float>(sigma));
+                                static_cast<float>(sigma), T_camera_shutter);
         const PhotometricEquations photometric = exec::reduce_normal_equations(
             device_, reference->point_count(intensity_level), residual, workspace_);
         if (photometric.count >= kFewestPixels) {
@@ -149,8 +161,10 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
                              kLargestSigma);
         }
       }
+      if (has_motion)
+        joint.add_motion(motion_information, log_se3(T_model_current * T_model_motion.inverse()));
       const double weights = geometric.weights / (kGeometricCorrelation * chi_square);
-      const Vector6d step = solve(joint, weights, config_.min_eigenvalue, &result);
+      const Vector6d step = solve(joint, weights, config_.min_eigenvalue, &result.quality);
       const Eigen::Vector2d exposure_step = joint.exposure_step(step);
       result.exposure.gain += static_cast<float>(exposure_step(0));
       result.exposure.bias += kBiasUnit * static_cast<float>(exposure_step(1));
@@ -159,33 +173,37 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
     }
   }
   result.T_odom_camera = orthonormalised(model.T_odom_camera * T_model_current);
-  if (geometric.count < kFewestPixels) return result;
-  result.rms_m = std::sqrt(geometric.weighted_squares / geometric.weights);
+  if (geometric.count < kFewestPixels) {
+    result.cause = measured_share(maps) < config_.min_measured_share ? TrackingCause::kNoDepth
+                                                                     : TrackingCause::kLowOverlap;
+    return result;
+  }
+  result.quality.residual_m = std::sqrt(geometric.weighted_squares / geometric.weights);
   result.information = joint.A;
-  judge(maps, model, T_model_current, step_factor, &result);
+  judge(maps, model, T_model_current, &result);
   return result;
 }
 
 void Tracker::judge(const FrameMaps& maps, const ModelView& model, const Pose& T_model_current,
-                    double step_factor, TrackResult* result) {
+                    TrackResult* result) {
   const JudgePixel functor{cost(config_, maps, model, kJudgedLevel, T_model_current),
                            to_rigid3f(model.T_middle_camera), static_cast<float>(model.half_edge_m)};
   const exec::NormalEquations sums = exec::reduce_normal_equations(
       device_, functor.cost.association.camera.pixel_count(), functor, workspace_);
   const double measured = sums.weights, associated = sums.weighted_squares, inliers = sums.A[0][0];
-  result->overlap = measured > 0 ? associated / measured : 0;
-  result->inlier_share = associated > 0 ? inliers / associated : 0;
+  TrackingQuality& quality = result->quality;
+  quality.overlap = measured > 0 ? associated / measured : 0;
+  quality.inlier_share = associated > 0 ? inliers / associated : 0;
 
-  const bool believable = T_model_current.translation().norm() <= step_factor * config_.max_step_m &&
-                          rotation_angle(T_model_current) <= step_factor * config_.max_step_deg * kDegree;
-  if (!believable || result->inlier_share < 0.5 * config_.min_inlier_share ||
-      result->overlap < 0.5 * config_.min_overlap) {
-    result->status = TrackingStatus::kLost;
-  } else if (result->inlier_share < config_.min_inlier_share || result->overlap < config_.min_overlap) {
-    result->status = TrackingStatus::kUncertain;
-  } else {
-    result->status = TrackingStatus::kGood;
-  }
+  const double overlap = quality.overlap / config_.min_overlap,
+               share = quality.inlier_share / config_.min_inlier_share;
+  const double worst = std::min(overlap, share);  // of what is asked
+  result->status = worst >= 1     ? TrackingStatus::kGood
+                   : worst >= 0.5 ? TrackingStatus::kUncertain
+                                  : TrackingStatus::kLost;
+  result->cause = worst >= 1        ? TrackingCause::kNone
+                  : overlap < share ? TrackingCause::kLowOverlap
+                                    : TrackingCause::kFewInliers;
 }
 
 double Tracker::measured_share(const FrameMaps& maps) {
@@ -193,6 +211,10 @@ double Tracker::measured_share(const FrameMaps& maps) {
   const std::vector<Vec4f> normals = surface.normals.downloaded();
   const auto measured = std::count_if(normals.begin(), normals.end(), [](const Vec4f& n) { return n.w > 0; });
   return static_cast<double>(measured) / static_cast<double>(normals.size());
+}
+
+Pose shutter_motion(const FrameMaps& maps, const Vector6d& velocity) {
+  return exp_se3(velocity * (static_cast<double>(maps.colour_timestamp_us - maps.timestamp_us) * 1e-6));
 }
 
 }  // namespace kt

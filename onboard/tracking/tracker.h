@@ -22,28 +22,44 @@ struct TrackingConfig {
   double photometric_weight = 1;     ///< of the photometric residuals beside the geometric ones; 0 = none
   double min_eigenvalue =
       1e-3;  ///< directions of the normalised Hessian below it keep the motion model's guess
+  double max_unconstrained_s = 0.5;   ///< a direction may be left to the motion model for so long
   double min_inlier_share = 0.5;      ///< of the pixels on model surface: below, the pose is uncertain
   double return_inlier_share = 0.65;  ///< the same for the first frame after a gap or a doubtful frame
-  double sure_inlier_share = 0.7;     ///< below, other guesses of the motion are tried too
-  double min_measured_share = 0.05;   ///< of the pixels of the first frame: below, it starts nothing
+  double sure_inlier_share = 0.7;     ///< below, the fallbacks are tried too
+  double min_measured_share = 0.05;   ///< of the pixels of a frame: below, it is no use
   double min_overlap = 0.15;  ///< share of measured pixels on model surface: below, the pose is uncertain
   double reference_distance_m = 0.15;  ///< the image reference is replaced after this motion
   double reference_angle_deg = 10;     ///< or this turn
   double max_step_m = 0.25;            ///< motion in 1/30 s beyond which a pose is not believed
   double max_step_deg = 20;
+  double keyframe_distance = 0.2;       ///< between keyframes, in metres of motion plus radians of turn
+  int max_keyframes = 1000;             ///< kept to find a lost camera again; 100 kB each
+  int min_feature_inliers = 15;         ///< matches that must agree for a motion found by features
+  int min_relocalisation_inliers = 25;  ///< the same for finding a lost camera again
+  double new_segment_after_s = 1.5;     ///< of usable frames without a good one: the map begins anew
+};
+
+/// What is known of a frame's pose before it is looked at.
+struct TrackGuess {
+  Pose T_odom_camera = Pose::Identity();
+  Exposure exposure{};
+  /// Of the camera in its own frame, per second: the depth and the colour image of a frame have stamps of
+  /// their own.
+  Vector6d velocity = Vector6d::Zero();
+  /// What another sensor says: soft term with this information of the left perturbation of T_odom_motion, in
+  /// the odom frame. Zero: nothing.
+  Pose T_odom_motion = Pose::Identity();
+  Matrix6d motion_information = Matrix6d::Zero();
 };
 
 struct TrackResult {
   Pose T_odom_camera = Pose::Identity();
   TrackingStatus status = TrackingStatus::kLost;
+  TrackingCause cause = TrackingCause::kNoDepth;
   /// Of the left perturbation of T_model_current, model = the camera of the model view.
   Matrix6d information = Matrix6d::Zero();
-  double inlier_share = 0;    ///< of the pixels that fall on model surface
-  double overlap = 0;         ///< share of the pixels measured inside the volume that do so
-  Exposure exposure;          ///< of the frame against the reference
-  double rms_m = 0;           ///< weighted point-to-plane residual of the inliers
-  int free_directions = 0;    ///< of the six, how many kept the guess
-  double min_eigenvalue = 0;  ///< of the normalised Hessian: 0 where geometry leaves a direction free
+  Exposure exposure;  ///< of the frame against the reference
+  TrackingQuality quality;
 };
 
 class Tracker {
@@ -51,21 +67,23 @@ class Tracker {
   Tracker(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config);
 
   /// Aligns a frame with the model view and, where both have colour, with the reference (may be null),
-  /// starting at `T_odom_guess` and `exposure`. The camera is believed to have moved from the model's pose by
-  /// `step_factor` times the configured steps at most.
+  /// starting at the guess.
   TrackResult track(const FrameMaps& maps, const ModelView& model, const PhotometricReference* reference,
-                    const Pose& T_odom_guess, const Exposure& exposure = {}, double step_factor = 1);
+                    const TrackGuess& guess);
 
   /// Share of the pixels at which the frame measured a surface.
   double measured_share(const FrameMaps& maps);
 
  private:
-  void judge(const FrameMaps& maps, const ModelView& model, const Pose& T_model_current, double step_factor,
-             TrackResult* result);
+  void judge(const FrameMaps& maps, const ModelView& model, const Pose& T_model_current, TrackResult* result);
 
   exec::Device device_;
   TrackingConfig config_;
   exec::ReductionWorkspace workspace_;
 };
+
+/// Pose of the depth camera at the time of the colour image in that at the time of the depth image, for a
+/// camera that moves with `velocity`.
+Pose shutter_motion(const FrameMaps& maps, const Vector6d& velocity);
 
 }  // namespace kt

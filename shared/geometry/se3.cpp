@@ -75,6 +75,12 @@ Matrix6d adjoint(const Pose& T) {
   return ad;
 }
 
+Matrix6d transported(const Matrix6d& information, const Pose& T_a_b) {
+  const Matrix6d Ad = adjoint(T_a_b);
+  const Matrix6d moved = Ad.transpose() * information * Ad;
+  return (moved + moved.transpose()) / 2;
+}
+
 Pose orthonormalised(const Pose& T) {
   Pose result = Pose::Identity();
   result.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();

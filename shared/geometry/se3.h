@@ -32,6 +32,10 @@ Vector6d log_se3(const Pose& T);
 /// Adjoint in the order [rotation; translation]: T exp(xi) T^-1 = exp(Ad_T xi).
 Matrix6d adjoint(const Pose& T);
 
+/// Information of the left perturbation of T_b_c where `information` is that of T_a_c, for the same change:
+/// xi_a = Ad(T_a_b) xi_b.
+Matrix6d transported(const Matrix6d& information, const Pose& T_a_b);
+
 /// T with its rotation projected back to SO(3); keeps long products orthonormal.
 Pose orthonormalised(const Pose& T);
 

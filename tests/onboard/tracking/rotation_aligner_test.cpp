@@ -16,13 +16,18 @@ struct Turn {
   Calibration calibration = small_calibration(2);
   Pose T_last_current = Pose::Identity();
   double exposure = 1;
+  double colour_delay = 0;  // how long after the depth image the colour image is taken, in frame intervals
   exec::Device device = exec::Device::cpu(1);
 
   Eigen::Matrix3d aligned(const Eigen::Matrix3d& R_guess = Eigen::Matrix3d::Identity()) const {
     Preprocessor preprocessor(device, calibration, {});
     RotationAligner aligner(device, calibration);
     aligner.remember(preprocessor.process(render(furnished_room(), calibration, Pose::Identity())));
-    RgbdFrame frame = render(furnished_room(), calibration, T_last_current);
+    const Eigen::Vector3d turn = log_so3(T_last_current.linear());
+    Pose T_last_shutter = T_last_current;
+    T_last_shutter.linear() = exp_so3((1 + colour_delay) * turn);
+    RgbdFrame frame = render(furnished_room(), calibration, T_last_shutter, {.sequence = 1});
+    frame.colour_timestamp_us += std::lround(colour_delay * 1e6 / 30);
     for (Rgb8& c : frame.colour.pixels()) {
       const auto exposed = [this](uint8_t level) {
         return static_cast<uint8_t>(std::min(255.0, exposure * level));
@@ -43,6 +48,15 @@ TEST(RotationAligner, FindsFastTurnsFromRest) {
     EXPECT_LT(trial.error_deg(trial.aligned()), 1.5) << turn.transpose();
     trial.exposure = 0.8;
     EXPECT_LT(trial.error_deg(trial.aligned()), 1.5) << "darker, " << turn.transpose();
+  }
+}
+
+TEST(RotationAligner, KnowsWhenTheImagesWereTaken) {
+  Turn trial;
+  trial.T_last_current = pose_of({1, 4, 0}, {0, 0, 0});
+  for (const double delay : {-0.4, 0.5}) {
+    trial.colour_delay = delay;
+    EXPECT_LT(trial.error_deg(trial.aligned()), 0.7) << delay;
   }
 }
 

@@ -1,0 +1,63 @@
+// Relative pose of two frames from their features: visual odometry in the manner of FOVIS (Huang et al.
+// 2011), by published parts.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "onboard/tracking/feature_detector.h"
+#include "shared/types/calibration.h"
+
+namespace kt {
+
+enum class FeatureStatus {
+  kOk,
+  kTooFewFeatures,     ///< one of the frames shows hardly any corner with a depth
+  kTooFewMatches,      ///< their descriptors do not agree
+  kTooFewInliers,      ///< no rigid motion explains enough of the matches
+  kUnconstrained,      ///< the inliers leave a direction of motion open
+  kReprojectionError,  ///< the best motion explains its own inliers badly
+};
+
+/// "ok", "too few features", "too few matches", "too few inliers", "unconstrained" or "reprojection error".
+const char* to_string(FeatureStatus status);
+
+struct FeatureMatch {
+  int a = 0, b = 0;  // indices into the features of either frame
+};
+
+/// Pairs of features whose descriptors are each other's nearest, and clearly so.
+std::vector<FeatureMatch> match_features(std::span<const Feature> a, std::span<const Feature> b);
+
+struct FeatureAlignment {
+  FeatureStatus status = FeatureStatus::kTooFewFeatures;
+  Pose T_a_b = Pose::Identity();            ///< of kOk, between the depth cameras
+  Matrix6d information = Matrix6d::Zero();  ///< of the left perturbation of T_a_b
+  int matches = 0, inliers = 0;
+  double rms_px = 0;  ///< of the inliers' reprojections, in pixels of the level each was found at
+};
+
+/// How a match looks under a motion.
+struct FeatureCamera {
+  PinholeParams camera;  ///< colour, of intensity level 0
+  Pose T_colour_depth = Pose::Identity();
+};
+
+/// Residuals of one match in standard deviations: b's point seen in a, a's point seen in b (2 pixels each),
+/// and the difference of depth in a; with their derivatives by the left perturbation of T_a_b.
+struct FeatureResidual {
+  Eigen::Matrix<double, 5, 1> r;
+  Eigen::Matrix<double, 5, 6> J;
+  bool is_visible = false;  ///< false where a point lies behind a camera: the rest means nothing
+};
+FeatureResidual feature_residual(const Feature& a, const Feature& b, const Pose& T_a_b,
+                                 const FeatureCamera& camera);
+
+/// Matches `a` with `b`, keeps a largest set of matches whose distances between points agree (a clique, found
+/// greedily; the tolerance grows with the noise of depth, z^2), and refines the motion on reprojections both
+/// ways and depth. Deterministic: nothing is drawn.
+FeatureAlignment align_features(std::span<const Feature> a, std::span<const Feature> b,
+                                const FeatureCamera& camera, int min_inliers);
+
+}  // namespace kt

@@ -1,0 +1,99 @@
+// One feature per cell of each level.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/tracking/feature_detector.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "shared/core/rng.h"
+#include "shared/exec/for_each.h"
+
+namespace kt {
+namespace {
+
+// Noise of the image alone stays below it.
+constexpr float kMinScore = 2.0f;
+
+// Pairs of points around the corner, nearer ones more often (as BRIEF, Calonder et al. 2010), within the
+// reach of the kernel however they are turned.
+std::vector<DescriptorPair> descriptor_pairs() {
+  constexpr uint64_t kSeed = 20110;
+  constexpr double kSigma_px = 5, kLargest_px = DetectFeature::kReach - 2;
+  std::vector<DescriptorPair> pairs;
+  uint64_t counter = 0;
+  const auto point = [&] {
+    while (true) {
+      const double u = std::round(kSigma_px * random_normal(kSeed, 0, counter++)),
+                   v = std::round(kSigma_px * random_normal(kSeed, 0, counter++));
+      if (u * u + v * v <= kLargest_px * kLargest_px) return std::pair(u, v);
+    }
+  };
+  while (pairs.size() < 32 * BinaryDescriptor::kWords) {
+    const auto [u1, v1] = point();
+    const auto [u2, v2] = point();
+    if (std::hypot(u1 - u2, v1 - v2) < 3) continue;  // smoothed: too near to differ
+    pairs.push_back(
+        {static_cast<int8_t>(u1), static_cast<int8_t>(v1), static_cast<int8_t>(u2), static_cast<int8_t>(v2)});
+  }
+  return pairs;
+}
+
+int64_t cell_count(const PinholeParams& camera) {
+  return int64_t{DetectFeature::cells_across(camera.width)} * DetectFeature::cells_across(camera.height);
+}
+
+}  // namespace
+
+int descriptor_distance(const Feature& a, const Feature& b) {
+  int distance = 0;
+  for (size_t word = 0; word < a.descriptor.size(); ++word)
+    distance += std::popcount(a.descriptor[word] ^ b.descriptor[word]);
+  return distance;
+}
+
+FeatureDetector::FeatureDetector(const exec::Device& device, const Calibration& calibration)
+    : device_(device), T_colour_depth_(calibration.T_colour_depth) {
+  const PinholeParams finest = calibration.colour.pinhole().half();
+  smoothed_ = {device, finest.pixel_count()};
+  scores_ = {device, finest.pixel_count()};
+  detected_ = {device, cell_count(finest)};
+  const std::vector<DescriptorPair> pairs = descriptor_pairs();
+  pairs_ = {device, static_cast<int64_t>(pairs.size())};
+  pairs_.upload(pairs);
+}
+
+std::vector<Feature> FeatureDetector::detect(const FrameMaps& maps) {
+  std::vector<Feature> features;
+  if (!maps.has_colour) return features;
+  const SurfaceLevel& surface = maps.levels[1];
+  for (int level = 0; level < kIntensityLevels; ++level) {
+    const IntensityLevel& intensity = maps.intensity.level(level);
+    const PinholeParams& camera = intensity.camera;
+    const IntensityView smoothed{smoothed_.data(), camera.width, camera.height};
+    exec::for_each_pixel(device_, camera.width, camera.height,
+                         SmoothIntensity{intensity.view(), smoothed_.data()});
+    exec::for_each_pixel(device_, camera.width, camera.height, ScoreCorner{smoothed, scores_.data()});
+    exec::for_each(device_, cell_count(camera),
+                   DetectFeature{smoothed, scores_.data(), kMinScore, camera, surface.depth_view(),
+                                 surface.camera, to_rigid3f(T_colour_depth_),
+                                 to_rigid3f(T_colour_depth_.inverse()), pairs_.data(), detected_.data()});
+    const double scale = 1 << level;
+    for (const DetectedFeature& found : detected_.downloaded(cell_count(camera))) {
+      if (!found.is_found) continue;
+      Feature feature;
+      feature.pixel = {scale * (static_cast<double>(found.u) + 0.5) - 0.5,
+                       scale * (static_cast<double>(found.v) + 0.5) - 0.5};
+      feature.p_camera = {found.p_camera.x, found.p_camera.y, found.p_camera.z};
+      feature.level = level;
+      for (size_t word = 0; word < feature.descriptor.size(); ++word) {
+        feature.descriptor[word] = found.descriptor.bits[2 * word] |
+                                   static_cast<uint64_t>(found.descriptor.bits[2 * word + 1]) << 32;
+      }
+      features.push_back(feature);
+    }
+  }
+  return features;
+}
+
+}  // namespace kt

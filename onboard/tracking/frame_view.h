@@ -1,0 +1,33 @@
+// The surface that a frame measured, kept so that later frames can be aligned with it as with the model.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "onboard/preprocess/model_view.h"
+#include "onboard/preprocess/preprocessor.h"
+
+namespace kt {
+
+/// Its depth at the coarsest level, on the device, and how its normals are made (SurfaceLevel).
+struct KeptSurface {
+  exec::Buffer<float> depth;  ///< bordered
+  int32_t normal_step = 1;
+  float max_slope = 0;
+};
+
+class FrameViews {
+ public:
+  FrameViews(const exec::Device& device, const Calibration& calibration);
+
+  /// `memory`, where given, is one that is not needed any more.
+  KeptSurface keep(const FrameMaps& maps, KeptSurface memory = {}) const;
+
+  /// What a camera at T_odom_camera saw when `surface` was kept; stays valid until the next call.
+  const ModelView& view(const KeptSurface& surface, const Pose& T_odom_camera);
+
+ private:
+  exec::Device device_;
+  PinholeParams camera_;
+  ModelView view_;
+};
+
+}  // namespace kt

@@ -1,0 +1,62 @@
+// Features of one frame against those of keyframes.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "onboard/tracking/keyframe_tracker.h"
+
+namespace kt {
+namespace {
+
+// A keyframe farther from the guess, by the paper's metric, shares too little of the view.
+constexpr double kNear = 1.0;
+
+// Keyframes that a lost frame is compared with: those that look most like it, and some in turn.
+constexpr int kAlike = 3, kInTurn = 2;
+
+}  // namespace
+
+KeyframeTracker::KeyframeTracker(const exec::Device& device, const Calibration& calibration,
+                                 const TrackingConfig& config)
+    : config_(config),
+      camera_{calibration.colour.pinhole().half(), calibration.T_colour_depth},
+      detector_(device, calibration),
+      views_(device, calibration),
+      store_(device, config.max_keyframes) {}
+
+void KeyframeTracker::look_at(const FrameMaps& maps) {
+  maps_ = &maps;
+  features_.reset();
+}
+
+const std::vector<Feature>& KeyframeTracker::features() {
+  if (!features_) features_ = detector_.detect(*maps_);
+  return *features_;
+}
+
+std::optional<KeyframeTracker::Found> KeyframeTracker::find_near(int segment, const Pose& T_odom_guess) {
+  const auto nearest = store_.nearest(segment, T_odom_guess);
+  if (!nearest || nearest->distance > kNear) return std::nullopt;
+  const StoredKeyframe& keyframe = store_.at(nearest->index);
+  const FeatureAlignment alignment =
+      align_features(keyframe.features, features(), camera_, config_.min_feature_inliers);
+  return Found{nearest->index, alignment, keyframe.T_odom_camera * alignment.T_a_b};
+}
+
+std::optional<KeyframeTracker::Found> KeyframeTracker::find_anywhere() {
+  std::optional<Found> best;
+  for (const int index : store_.candidates(store_.code_of(*maps_), kAlike, kInTurn)) {
+    const StoredKeyframe& keyframe = store_.at(index);
+    const FeatureAlignment alignment =
+        align_features(keyframe.features, features(), camera_, config_.min_relocalisation_inliers);
+    if (alignment.status != FeatureStatus::kOk || (best && alignment.inliers <= best->alignment.inliers))
+      continue;
+    best = Found{index, alignment, keyframe.T_odom_camera * alignment.T_a_b};
+  }
+  return best;
+}
+
+void KeyframeTracker::remember(int64_t sequence, int segment, const Pose& T_odom_camera) {
+  const auto nearest = store_.nearest(segment, T_odom_camera);
+  if (nearest && nearest->distance < config_.keyframe_distance) return;
+  store_.add({sequence, segment, T_odom_camera, features(), views_.keep(*maps_), store_.code_of(*maps_)});
+}
+
+}  // namespace kt

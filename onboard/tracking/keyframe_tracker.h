@@ -1,0 +1,51 @@
+// Finds a frame by its features: near the last pose, or anywhere among the keyframes.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "onboard/tracking/feature_aligner.h"
+#include "onboard/tracking/keyframe_store.h"
+#include "onboard/tracking/tracker.h"
+
+namespace kt {
+
+class KeyframeTracker {
+ public:
+  KeyframeTracker(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config);
+
+  /// Where a keyframe's features say that the frame is.
+  struct Found {
+    int keyframe = -1;  ///< index
+    FeatureAlignment alignment;
+    Pose T_odom_camera = Pose::Identity();
+  };
+
+  /// The frame that the next calls are about. Its features are found when they are first needed.
+  void look_at(const FrameMaps& maps);
+
+  /// From the keyframe of `segment` nearest to the guess; nothing where there is none near.
+  std::optional<Found> find_near(int segment, const Pose& T_odom_guess);
+
+  /// From any keyframe: that with the most inliers of some that look alike, and of a few more in turn.
+  std::optional<Found> find_anywhere();
+
+  /// Makes a keyframe of the frame, seen from T_odom_camera, where there is none near.
+  void remember(int64_t sequence, int segment, const Pose& T_odom_camera);
+
+  const StoredKeyframe& keyframe(int index) const { return store_.at(index); }
+
+ private:
+  const std::vector<Feature>& features();
+
+  TrackingConfig config_;
+  FeatureCamera camera_;
+  FeatureDetector detector_;
+  FrameViews views_;
+  KeyframeStore store_;
+  const FrameMaps* maps_ = nullptr;
+  std::optional<std::vector<Feature>> features_;  // of maps_
+};
+
+}  // namespace kt
