@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "onboard/preprocess/depth_kernel.h"
+#include "onboard/preprocess/occlusion_kernel.h"
 #include "shared/exec/for_each.h"
 
 namespace kt {
@@ -69,6 +70,9 @@ Preprocessor::Preprocessor(const exec::Device& device, const Calibration& calibr
     exec::Buffer<float> far(device, DepthView::padded_size(camera_.width, camera_.height));
     far.upload(std::vector<float>(static_cast<size_t>(far.size()), 1.0f));
     find_colour_positions({far.data(), camera_.width, camera_.height});
+  } else {
+    nearest_in_tiles_ = {device,
+                         int64_t{NearestInTile::tiles(camera_.width)} * NearestInTile::tiles(camera_.height)};
   }
 }
 
@@ -76,6 +80,15 @@ void Preprocessor::find_colour_positions(const DepthView& depth) {
   exec::for_each_pixel(device_, camera_.width, camera_.height,
                        FindColourPosition{depth, camera_, to_rigid3f(calibration_.T_colour_depth),
                                           calibration_.colour.distorted_pinhole(), colour_positions_.data()});
+}
+
+void Preprocessor::hide_from_colour(const DepthView& depth) {
+  const int tiles_u = NearestInTile::tiles(camera_.width), tiles_v = NearestInTile::tiles(camera_.height);
+  exec::for_each_pixel(device_, tiles_u, tiles_v, NearestInTile{depth, nearest_in_tiles_.data()});
+  exec::for_each_pixel(device_, tiles_u, camera_.height,
+                       HideFromColour{depth, camera_, to_rigid3f(calibration_.T_colour_depth.inverse()).t,
+                                      static_cast<float>(config_.depth_min_m), nearest_in_tiles_.data(),
+                                      colour_positions_.data()});
 }
 
 const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
@@ -121,7 +134,10 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
     colour_.upload(frame.colour.pixels());
     maps_.intensity.build(colour_.data());
     // Seen from the same place, a point stays at its pixel whatever its depth: the constructor has found it.
-    if (!shares_viewpoint(calibration_)) find_colour_positions(full.depth_view());
+    if (!shares_viewpoint(calibration_)) {
+      find_colour_positions(full.depth_view());
+      hide_from_colour(full.depth_view());
+    }
     exec::for_each_pixel(device_, camera_.width, camera_.height,
                          SampleColour{full.depth_view(), colour_positions_.data(), calibration_.colour.width,
                                       calibration_.colour.height, colour_.data(), registered_colour_.data()});

@@ -52,6 +52,7 @@ class Preprocessor {
 
  private:
   void find_colour_positions(const DepthView& depth);
+  void hide_from_colour(const DepthView& depth);
 
   exec::Device device_;
   Calibration calibration_;
@@ -62,6 +63,7 @@ class Preprocessor {
   exec::Buffer<float> measured_depth_;  // bordered
   exec::Buffer<Rgb8> colour_;
   exec::Buffer<ColourPosition> colour_positions_;  // by depth pixel
+  exec::Buffer<float> nearest_in_tiles_;           // empty where both cameras share a viewpoint
   exec::Buffer<uint32_t> registered_colour_;
   FrameMaps maps_;
 };

@@ -106,7 +106,7 @@ struct MakeFusionPixel {
 
 /// Where a depth pixel's point is seen in the colour image as recorded.
 struct ColourPosition {
-  float u = -1, v = -1;  // px; outside the image where the pixel has no depth
+  float u = -1, v = -1;  // px; outside the image where the pixel has no depth or is hidden from the camera
 };
 
 struct FindColourPosition {
