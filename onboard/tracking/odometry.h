@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "onboard/tracking/motion_prior.h"
 #include "onboard/tracking/photometric_reference.h"
 #include "onboard/tracking/rotation_aligner.h"
 #include "onboard/tracking/tracker.h"
@@ -23,6 +24,10 @@ class Odometry {
   /// with them.
   void remember(const FrameMaps& maps, const ModelView& model);
 
+  /// Takes a sample of another sensor, before the first frame whose stamp is not before its own. False where
+  /// it is refused, as MotionPrior::add does.
+  bool add_motion_sample(const MotionSample& sample) { return motion_prior_.add(sample); }
+
   /// What the tracker found for the last frame, whatever became of it.
   const TrackResult& last_result() const { return result_; }
   /// Sequence and pose of the last good frame.
@@ -36,6 +41,7 @@ class Odometry {
   Tracker tracker_;
   RotationAligner rotation_aligner_;
   PhotometricReference reference_;
+  MotionPrior motion_prior_;
   Exposure exposure_;  // of the last good frame against the reference
   TrackResult result_;
   StampedPose last_good_;
