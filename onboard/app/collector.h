@@ -25,6 +25,10 @@ class Collector {
   Collector(const exec::Device& device, const Calibration& calibration, const CollectorConfig& config,
             MessageSink& sink);
 
+  /// Hands a sample of another sensor to the tracking, before the first frame whose stamp is not before its
+  /// own. False where it is refused, as MotionPrior::add does.
+  bool add_motion_sample(const MotionSample& sample) { return odometry_.add_motion_sample(sample); }
+
   /// Tracks and fuses one frame. Frames must come in order of their time stamps and fit the calibration.
   FrameReport process(const RgbdFrame& frame);
 

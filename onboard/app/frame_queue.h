@@ -13,7 +13,8 @@
 
 namespace kt {
 
-/// Reads a source ahead on its own thread, at most `capacity` items; order and content are the source's.
+/// Reads a source ahead on its own thread, at most `capacity` frames and skipped ones, with the motion
+/// samples among them; order and content are the source's.
 class FrameQueue {
  public:
   explicit FrameQueue(FrameSource& source, size_t capacity = 4)
@@ -36,19 +37,29 @@ class FrameQueue {
       return items_.front();  // stays: the end has nothing behind it
     SourceItem item = std::move(items_.front());
     items_.pop_front();
+    large_items_ -= is_large(item);
     changed_.notify_all();
     return item;
   }
 
  private:
+  static constexpr size_t kMostItems = 1024;  // seconds of motion samples while no frame comes
+
+  // Motion samples are small and many: they must not take the frames' places.
+  static bool is_large(const SourceItem& item) {
+    return item.kind != SourceItem::Kind::kMotion && item.kind != SourceItem::Kind::kSkippedMotion;
+  }
+  bool is_full() const { return large_items_ >= capacity_ || items_.size() >= kMostItems; }
+
   void read() {
     try {
       for (bool more = true; more;) {
         SourceItem item = source_.next();
         more = item.kind != SourceItem::Kind::kEnd;
         std::unique_lock lock(mutex_);
-        changed_.wait(lock, [this] { return items_.size() < capacity_ || stopping_; });
+        changed_.wait(lock, [this] { return !is_full() || stopping_; });
         if (stopping_) return;
+        large_items_ += is_large(item);
         items_.push_back(std::move(item));
         changed_.notify_all();
       }
@@ -64,6 +75,7 @@ class FrameQueue {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<SourceItem> items_;
+  size_t large_items_ = 0;  // of items_
   bool stopping_ = false;
   std::exception_ptr failure_;
   std::thread thread_;  // last: it uses all of the above

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <exception>
 #include <sys/resource.h>
+#include <utility>
 
 #include "onboard/app/config_fields.h"
 #include "onboard/app/frame_queue.h"
@@ -29,6 +30,23 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   MissionSummary summary;
   Collector collector(options.device, source.calibration(), options.config, sink);
   FrameQueue frames(source);
+  std::vector<MotionSample> early_samples;  // wait for the session, the first event of a log
+  const auto keep_reason = [](std::vector<std::string>& reasons, const std::string& reason) {
+    if (reasons.size() < kReasonsKept) reasons.push_back(reason);
+  };
+  const auto take_sample = [&](MotionSample sample) {
+    if (!collector.add_motion_sample(sample)) {
+      ++summary.motion_samples_refused;
+      return keep_reason(summary.motion_refusals, "a motion sample does not continue those before it");
+    }
+    sample.sequence = summary.motion_samples++;  // without gaps in the log
+    if (!options.record_raw) return;
+    if (collector.status().frames == 0) {
+      early_samples.push_back(sample);
+    } else {
+      sink.on_motion_sample(sample);
+    }
+  };
   std::exception_ptr failure;  // of the source: what was mapped before it goes into the log first
   const auto next = [&]() -> SourceItem {
     try {
@@ -41,12 +59,22 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   for (SourceItem item = next(); item.kind != SourceItem::Kind::kEnd && !stopped(); item = next()) {
     if (item.kind == SourceItem::Kind::kSkipped) {
       collector.count_skipped_frame();
-      if (summary.skip_reasons.size() < kReasonsKept) summary.skip_reasons.push_back(item.reason);
+      keep_reason(summary.skip_reasons, item.reason);
+      continue;
+    }
+    if (item.kind == SourceItem::Kind::kSkippedMotion) {
+      ++summary.motion_samples_refused;
+      keep_reason(summary.motion_refusals, item.reason);
+      continue;
+    }
+    if (item.kind == SourceItem::Kind::kMotion) {
+      take_sample(item.motion);
       continue;
     }
     if (collector.status().frames == 0) {
       sink.on_session({SessionHeader::kFormatVersion, item.frame.timestamp_us, kProgramVersion,
                        config_to_yaml(options.config), source.calibration()});
+      for (const MotionSample& sample : std::exchange(early_samples, {})) sink.on_motion_sample(sample);
     }
     collector.process(item.frame);
     if (options.record_raw) sink.on_raw_frame(std::move(item.frame));

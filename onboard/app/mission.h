@@ -18,6 +18,9 @@ namespace kt {
 struct MissionSummary {
   MissionStatus status;
   std::vector<std::string> skip_reasons;  ///< of the first few skipped frames
+  int64_t motion_samples = 0;             ///< of other sensors, handed to the tracking
+  int64_t motion_samples_refused = 0;
+  std::vector<std::string> motion_refusals;  ///< reasons of the first few
   std::map<std::string, StageTimes> stage_times;
   double seconds = 0;  ///< wall time
   double peak_memory_mib = 0;
@@ -27,7 +30,7 @@ struct MissionSummary {
 struct MissionOptions {
   CollectorConfig config;
   exec::Device device;
-  bool record_raw = false;
+  bool record_raw = false;                  ///< frames, and motion samples in their place among them
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: finish what is there and end
   std::function<void(const MissionStatus&, int64_t frame_count)>
       on_progress;  ///< after every frame; count -1 = unknown

@@ -37,6 +37,12 @@ std::string mission_report_text(const MissionSummary& summary) {
       static_cast<long long>(s.frames), 100 * tracked_share(s), static_cast<long long>(s.frames_uncertain),
       static_cast<long long>(s.frames_lost), static_cast<long long>(s.frames_skipped));
   for (const std::string& reason : summary.skip_reasons) text += "  skipped: " + reason + "\n";
+  if (summary.motion_samples + summary.motion_samples_refused > 0) {
+    text += format("motion    %lld samples of other sensors, %lld refused\n",
+                   static_cast<long long>(summary.motion_samples),
+                   static_cast<long long>(summary.motion_samples_refused));
+  }
+  for (const std::string& reason : summary.motion_refusals) text += "  refused: " + reason + "\n";
   text += format("slices    %lld with %lld vertices, %lld triangles\n", static_cast<long long>(s.slices),
                  static_cast<long long>(s.slice_vertices), static_cast<long long>(s.slice_triangles));
   text += format("%-10s%10s%10s%10s\n", "stage", "p50 ms", "p95 ms", "max ms");
@@ -55,7 +61,7 @@ void write_mission_report(const MissionSummary& summary, const std::filesystem::
     if (stage != "frame") stages[stage] = to_json(times);
   }
   const auto whole_frame = summary.stage_times.find("frame");
-  const nlohmann::ordered_json report = {
+  nlohmann::ordered_json report = {
       {"program_version", kProgramVersion},
       {"frames", s.frames},
       {"tracked_share", tracked_share(s)},
@@ -72,6 +78,11 @@ void write_mission_report(const MissionSummary& summary, const std::filesystem::
       {"peak_memory_mb", summary.peak_memory_mib},
       {"interrupted", summary.interrupted},
   };
+  if (summary.motion_samples + summary.motion_samples_refused > 0) {
+    report["motion_samples"] = summary.motion_samples;
+    report["motion_samples_refused"] = summary.motion_samples_refused;
+    report["motion_refusals"] = summary.motion_refusals;
+  }
   std::ofstream file(path);
   file << report.dump(2) << '\n';
   if (!file.flush())

@@ -44,11 +44,12 @@ class LogSink final : public MessageSink {
   void on_loop_closure(LoopClosure loop) override { put(std::move(loop)); }
   void on_status(MissionStatus status) override { put(std::move(status)); }
   void on_raw_frame(RgbdFrame frame) override { put(std::move(frame)); }
+  void on_motion_sample(MotionSample sample) override { put(std::move(sample)); }
   void close() override;
 
  private:
-  using Item =
-      std::variant<SessionHeader, StampedPose, CloudSlice, Keyframe, LoopClosure, MissionStatus, RgbdFrame>;
+  using Item = std::variant<SessionHeader, StampedPose, CloudSlice, Keyframe, LoopClosure, MissionStatus,
+                            RgbdFrame, MotionSample>;
 
   void put(Item item);
   void run();

@@ -1,11 +1,14 @@
-// The checks every frame passes before it reaches the collector.
+// The checks every frame and motion sample passes before it reaches the collector.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/source/checked_source.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "shared/core/check.h"
+#include "shared/types/timestamp.h"
+#include "shared/wire/validity.h"
 
 namespace kt {
 namespace {
@@ -42,13 +45,20 @@ CheckedSource::CheckedSource(std::unique_ptr<FrameSource> source,
 SourceItem CheckedSource::next() {
   while (ready_.empty()) {
     SourceItem item = read();
-    if (item.kind == SourceItem::Kind::kSkipped) return item;
-    if (item.kind == SourceItem::Kind::kFrame) {
-      judge_stamp(std::move(item.frame));
-    } else if (held_) {
-      release_last();
-    } else {
-      return item;
+    switch (item.kind) {
+      case SourceItem::Kind::kSkipped:
+      case SourceItem::Kind::kSkippedMotion:
+        return item;
+      case SourceItem::Kind::kFrame:
+        judge_stamp(std::move(item.frame));
+        break;
+      case SourceItem::Kind::kMotion:
+        (held_ ? samples_behind_held_ : samples_).push_back(item.motion);
+        break;
+      case SourceItem::Kind::kEnd:
+        release_last();
+        if (ready_.empty()) return item;
+        break;
     }
   }
   SourceItem item = std::move(ready_.front());
@@ -79,6 +89,8 @@ void CheckedSource::judge_stamp(RgbdFrame frame) {
     } else {
       ready_.push_back(skipped(held, "its stamp is wrong: the next frame's is " + seconds(stamp_us)));
     }
+    std::move(samples_behind_held_.begin(), samples_behind_held_.end(), std::back_inserter(samples_));
+    samples_behind_held_.clear();
   }
   if (last_us_ && stamp_us <= *last_us_) {
     ready_.push_back(skipped(frame, "its stamp is not after the last frame's, " + seconds(*last_us_)));
@@ -90,13 +102,47 @@ void CheckedSource::judge_stamp(RgbdFrame frame) {
 }
 
 void CheckedSource::release_last() {
-  RgbdFrame held = *std::exchange(held_, std::nullopt);
-  if (!last_us_) return accept(std::move(held));  // the only frame
-  ready_.push_back(skipped(
-      held, "no frame behind it confirms its stamp, far from the last frame's, " + seconds(*last_us_)));
+  if (held_ && last_us_) {
+    ready_.push_back(skipped(
+        *held_, "no frame behind it confirms its stamp, far from the last frame's, " + seconds(*last_us_)));
+  } else if (held_) {
+    accept(*std::move(held_));  // the only frame
+  }
+  held_.reset();
+  release_samples(kMaxTimestamp_us);
+  samples_ = std::exchange(samples_behind_held_, {});
+  release_samples(kMaxTimestamp_us);
+}
+
+void CheckedSource::release_samples(int64_t frame_us) {
+  for (MotionSample& sample : samples_) {
+    if (std::string problem = motion_problem(sample, frame_us); !problem.empty()) {
+      ready_.push_back({.kind = SourceItem::Kind::kSkippedMotion,
+                        .reason = "motion sample at " + seconds(sample.timestamp_us) + ": " + problem});
+      continue;
+    }
+    sample.sequence = delivered_samples_++;
+    last_sample_ = sample;
+    ready_.push_back({.kind = SourceItem::Kind::kMotion, .motion = sample});
+  }
+  samples_.clear();
+}
+
+std::string CheckedSource::motion_problem(const MotionSample& sample, int64_t frame_us) const {
+  if (const DecodeStatus status = validity(sample); status != DecodeStatus::kOk)
+    return std::string("its values are ") + to_string(status);
+  if (!sample.measures_motion()) return "it measures no motion";
+  if (sample.timestamp_us > frame_us + kMaxJump_us)
+    return "its stamp is wrong: the next frame's is " + seconds(frame_us);
+  if (!last_sample_) return {};
+  if (sample.kind != last_sample_->kind) return "its kind is not that of the samples before it";
+  if (sample.timestamp_us <= last_sample_->timestamp_us)
+    return "its stamp is not after the last sample's, " + seconds(last_sample_->timestamp_us);
+  return {};
 }
 
 void CheckedSource::accept(RgbdFrame frame) {
+  release_samples(frame.timestamp_us);
   last_us_ = frame.timestamp_us;
   frame.sequence = delivered_++;
   ready_.push_back({SourceItem::Kind::kFrame, std::move(frame), {}});

@@ -1,10 +1,12 @@
-// Turns what is wrong with a frame into a skipped frame with a reason: the one place where input is judged.
+// Turns what is wrong with a frame or a motion sample into a skipped one with a reason: the one place where
+// input is judged.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <deque>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "onboard/source/frame_source.h"
 
@@ -18,6 +20,12 @@ namespace kt {
 /// one's stamp lies more than 10 s before it, the waiting frame is skipped. So one wrong stamp costs one
 /// frame, not all that follow; a real pause costs none but where the recording ends with it. What is skipped
 /// meanwhile is told before the waiting frame.
+///
+/// Motion samples keep their place among the frames, so they wait for the next frame that passes. Skipped are
+/// those with values that no message can hold, that measure no motion, of another kind than the first that
+/// passed, with a stamp not after that of the sample before, or more than 10 s after the frame that they wait
+/// for; behind the last frame the latter are believed. They are no frames: the word is kSkippedMotion.
+/// Samples that pass are numbered from 0 without gaps.
 class CheckedSource final : public FrameSource {
  public:
   /// `calibration`, where given, replaces the source's own. Throws kt::Error where the one used makes no
@@ -34,16 +42,23 @@ class CheckedSource final : public FrameSource {
   SourceItem read();
   std::string image_problem(const RgbdFrame& frame) const;
   void judge_stamp(RgbdFrame frame);
-  /// Decides on the frame that waits at the end.
+  /// Decides on what waits at the end.
   void release_last();
   void accept(RgbdFrame frame);
+  /// Hands out the samples that waited for a frame at this stamp.
+  void release_samples(int64_t frame_us);
+  std::string motion_problem(const MotionSample& sample, int64_t frame_us) const;
 
   std::unique_ptr<FrameSource> source_;
   Calibration calibration_;
   int64_t delivered_ = 0;
-  std::optional<int64_t> last_us_;  ///< stamp of the last frame that passed
-  std::optional<RgbdFrame> held_;   ///< waits for the next frame to confirm its stamp
-  std::deque<SourceItem> ready_;    ///< judged but not yet handed out: three at most
+  std::optional<int64_t> last_us_;     ///< stamp of the last frame that passed
+  std::optional<RgbdFrame> held_;      ///< waits for the next frame to confirm its stamp
+  std::vector<MotionSample> samples_;  ///< read since the last frame that passed, before held_
+  std::vector<MotionSample> samples_behind_held_;
+  int64_t delivered_samples_ = 0;
+  std::optional<MotionSample> last_sample_;  ///< that passed
+  std::deque<SourceItem> ready_;  ///< judged but not yet handed out: three frames at most, and samples
 };
 
 }  // namespace kt

@@ -1,4 +1,4 @@
-// Where frames come from: recordings, logs and synthetic missions behind one interface.
+// Where frames and motion samples come from: recordings, logs and synthetic missions behind one interface.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -9,28 +9,31 @@
 #include <vector>
 
 #include "shared/types/calibration.h"
+#include "shared/types/motion_sample.h"
 #include "shared/types/rgbd_frame.h"
 
 namespace kt {
 
-/// What a source hands out: a frame, the word that one could not be used, or the end.
+/// What a source hands out: a frame, what another sensor measured, the word that one of them could not be
+/// used, or the end.
 struct SourceItem {
-  enum class Kind { kFrame, kSkipped, kEnd };
+  enum class Kind { kFrame, kSkipped, kMotion, kSkippedMotion, kEnd };
   Kind kind = Kind::kEnd;
-  RgbdFrame frame;     ///< of kFrame
-  std::string reason;  ///< of kSkipped
+  RgbdFrame frame{};      ///< of kFrame
+  std::string reason{};   ///< of kSkipped and kSkippedMotion
+  MotionSample motion{};  ///< of kMotion
 };
 
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
-  /// The next frame in the order of capture; once kEnd, always kEnd. A source that open_source returned never
-  /// throws for a bad frame: it says kSkipped. The bare sources behind it throw kt::Error and go on with the
-  /// next call.
+  /// The next item in the order of capture, a motion sample before the first frame that is not older; once
+  /// kEnd, always kEnd. A source that open_source returned never throws for a bad frame: it says kSkipped.
+  /// The bare sources behind it throw kt::Error and go on with the next call.
   virtual SourceItem next() = 0;
 
-  /// Frames and skipped frames in all; -1 where nobody knows beforehand.
+  /// Frames and skipped frames in all, without motion samples; -1 where nobody knows beforehand.
   virtual int64_t frame_count() const = 0;
   /// Of every frame; sound (Calibration::problem). A bare source that has lost it throws kt::Error.
   virtual const Calibration& calibration() const = 0;

@@ -1,6 +1,7 @@
-// Frames recorded earlier: the raw-frame messages of a log.
+// Frames and motion samples recorded earlier: those messages of a log.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <deque>
 #include <optional>
 #include <string>
 #include <utility>
@@ -32,7 +33,12 @@ class LogSource final : public FrameSource {
   }
 
   SourceItem next() override {
-    if (!frame_ && !at_end_) read_frame();
+    if (motion_.empty() && !frame_ && !at_end_) read_frame();
+    if (!motion_.empty()) {
+      SourceItem item = std::move(motion_.front());
+      motion_.pop_front();
+      return item;
+    }
     if (lost_ > 0) {
       --lost_;
       return {SourceItem::Kind::kSkipped, {}, reason_};
@@ -55,7 +61,19 @@ class LogSource final : public FrameSource {
     return reader_.channels()[message_index<CompressedFrame>()];
   }
 
-  // Reads up to the next intact frame, and notes how many were lost on the way; false at the end.
+  void add_motion(const MotionSample& sample) {
+    const int64_t missing = reader_.channels()[message_index<MotionSample>()].missing;
+    for (int64_t lost = std::min(missing - std::exchange(missing_motion_, missing), kMaxGap); lost > 0;
+         --lost) {
+      motion_.push_back({.kind = SourceItem::Kind::kSkippedMotion,
+                         .reason = name_ + ": a motion sample before number " +
+                                   std::to_string(sample.sequence) + " is damaged or missing"});
+    }
+    motion_.push_back({.kind = SourceItem::Kind::kMotion, .motion = sample});
+  }
+
+  // Reads up to the next intact frame, keeps the motion samples on the way, and notes how many frames were
+  // lost; false at the end.
   bool read_frame() {
     const int64_t missing = frames().missing, damaged = frames().damaged;
     const LogIntegrity before = reader_.integrity();
@@ -63,6 +81,8 @@ class LogSource final : public FrameSource {
       if (const auto* session = std::get_if<SessionHeader>(&*message)) {
         check_format_version(*session, name_);
         calibration_ = session->calibration;
+      } else if (const auto* sample = std::get_if<MotionSample>(&*message)) {
+        add_motion(*sample);
       } else if (const auto* frame = std::get_if<CompressedFrame>(&*message)) {
         frame_ = *frame;
         // The gap in the sequence numbers holds the damaged ones too.
@@ -82,6 +102,8 @@ class LogSource final : public FrameSource {
   std::string name_;
   MessageReader reader_;
   std::optional<CompressedFrame> frame_;  ///< read but not yet handed out
+  std::deque<SourceItem> motion_;         ///< read before it, to be handed out first
+  int64_t missing_motion_ = 0;            ///< as the reader counts them, so far
   int64_t lost_ = 0;                      ///< frames before it, or before the end, still to be reported
   std::string reason_;                    ///< of those
   bool at_end_ = false;

@@ -8,6 +8,7 @@
 
 #include "onboard/tracking/frame_view.h"
 #include "onboard/tracking/keyframe_tracker.h"
+#include "onboard/tracking/motion_prior.h"
 #include "onboard/tracking/photometric_reference.h"
 #include "onboard/tracking/rotation_aligner.h"
 #include "onboard/tracking/tracker.h"
@@ -32,6 +33,10 @@ class Odometry {
   /// Looks at a frame that was fused, and the model view predicted from its pose: later frames are compared
   /// with them. Right after track() of that frame.
   void remember(const FrameMaps& maps, const ModelView& model);
+
+  /// Takes a sample of another sensor, before the first frame whose stamp is not before its own. False where
+  /// it is refused, as MotionPrior::add does.
+  bool add_motion_sample(const MotionSample& sample) { return motion_prior_.add(sample); }
 
   /// What the tracker found for the last frame, whatever became of it.
   const TrackResult& last_result() const { return result_; }
@@ -73,6 +78,8 @@ class Odometry {
   FrameViews views_;
   KeptSurface last_surface_;  // of the last good frame
   Exposure exposure_;         // of the last good frame against the reference
+  MotionPrior motion_prior_;
+  Exposure exposure_;  // of the last good frame against the reference
   TrackResult result_;
   StampedPose last_good_;
   Vector6d velocity_ = Vector6d::Zero();  // of the camera in its own frame, per second

@@ -1,10 +1,11 @@
-// TUM RGB-D benchmark folders: rgb.txt, depth.txt, groundtruth.txt.
+// TUM RGB-D benchmark folders: rgb.txt, depth.txt, groundtruth.txt, and our odometry.txt.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <regex>
 
 #include "shared/io/dataset.h"
 #include "shared/io/dataset_folder.h"
 #include "shared/io/file.h"
+#include "shared/io/odometry_file.h"
 #include "shared/io/stamp_association.h"
 #include "shared/io/text_lines.h"
 #include "shared/io/trajectory_file.h"
@@ -57,7 +58,11 @@ Dataset open_tum(const std::filesystem::path& folder) {
   const auto read_groundtruth = [poses = folder / "groundtruth.txt"] {
     return std::filesystem::exists(poses) ? read_trajectory(poses) : Trajectory{};
   };
-  return Dataset(std::move(entries), read_groundtruth, folder_calibration(folder, camera_of(folder)));
+  const auto read_samples = [file = folder / "odometry.txt"] {
+    return std::filesystem::exists(file) ? read_odometry(file) : std::vector<MotionSample>{};
+  };
+  return Dataset(std::move(entries), read_groundtruth, folder_calibration(folder, camera_of(folder)),
+                 read_samples);
 }
 
 }  // namespace kt

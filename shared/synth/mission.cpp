@@ -111,6 +111,10 @@ SyntheticMission::SyntheticMission(const std::string& name, const SynthOptions& 
   flaws_.edge_jitter_px /= options_.downscale;
 }
 
+Pose SyntheticMission::T_world_camera_at(int64_t timestamp_us) const {
+  return path_.at(static_cast<double>(timestamp_us - kFirstStamp_us) * 1e-6);
+}
+
 Vec3f SyntheticMission::gain(int64_t i) const {
   if (!options_.exposure_drift) return {1, 1, 1};
   const double t_s = static_cast<double>(i) / kFrameRate;

@@ -47,6 +47,8 @@ class SyntheticMission {
   explicit SyntheticMission(const std::string& name, const SynthOptions& options = {});
 
   const std::string& name() const { return name_; }
+  /// Of all that is random in this mission; follows from the name.
+  uint64_t seed() const { return seed_; }
   int64_t frame_count() const { return static_cast<int64_t>(groundtruth_.size()); }
 
   /// Frame `i` of [0, frame_count()).
@@ -54,6 +56,8 @@ class SyntheticMission {
 
   /// T_world_camera (in `T_odom_camera`) of every frame, at its depth stamp; z of the world points up.
   const Trajectory& groundtruth() const { return groundtruth_; }
+  /// The same at any stamp; at rest before the path's begin and behind its end.
+  Pose T_world_camera_at(int64_t timestamp_us) const;
   const Calibration& calibration() const { return calibration_; }
   const Scene& scene() const { return world_.scene; }
   /// Exposure gain per channel at frame `i`.

@@ -22,6 +22,12 @@ struct MotionSample {
   Vector6d velocity = Vector6d::Zero();  ///< of kVelocity: of the depth camera in its own frame (rad/s; m/s)
   double rotation_sigma = 0;     ///< growth of its error (rad per square root of a second); 0 = not measured
   double translation_sigma = 0;  ///< the same of the translation (m per square root of a second)
+
+  /// Whether it says anything of the camera's motion. A pose without rotation does not: its translations
+  /// stand in a frame of which the camera's orientation is unknown.
+  bool measures_motion() const {
+    return rotation_sigma > 0 || (kind == Kind::kVelocity && translation_sigma > 0);
+  }
 };
 
 }  // namespace kt

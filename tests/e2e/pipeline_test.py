@@ -61,6 +61,20 @@ class PipelineTest(ProgramTest):
         replayed, _ = self.collect(f"lcm-log:{self.folder / 'raw.lcm'}")
         self.assertEqual((self.map(replayed) / "trajectory.txt").read_text(), first)
 
+    def test_recorded_odometry_gives_the_same_log(self):
+        logs, source = [], f"tum:{WORK / 'wheels'}"
+        for i in range(3):
+            log, report = self.folder / f"{i}.lcm", self.folder / "report.json"
+            text = self.run_well("collect", "--input", source, "--log", log, "--record-raw", "--raw-colour", "png",
+                                 "--report", report)
+            self.assertIn("39 samples of other sensors, 0 refused", text)
+            self.assertEqual(json.loads(report.read_text())["motion_samples"], 39)
+            logs.append(log.read_bytes())
+            source = f"lcm-log:{log}"
+        self.assertIn("KINTSUGI_MOTION           39", self.run_well("log", "info", self.folder / "2.lcm"))
+        self.assertEqual(logs[0], logs[1])
+        self.assertEqual(logs[1], logs[2])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -16,6 +16,7 @@ DATA = Path(os.environ.get("KT_DATA", ROOT.parent / "shared" / "data"))
 # Name of a test mission: arguments of kintsugi-synth.
 MISSIONS = {
     "small": ["room", "--frames", "24", "--downscale", "2", "--no-surface"],
+    "wheels": ["room", "--frames", "24", "--downscale", "2", "--no-surface", "--odometry"],
     "room": ["room", "--frames", "90"],
     "moving": ["fast", "--frames", "30", "--downscale", "2", "--no-surface"],
 }

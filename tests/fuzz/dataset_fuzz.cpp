@@ -51,6 +51,11 @@ void open_folder(const char* format, std::initializer_list<const char*> files, s
         if (!kt::is_valid_pose(pose.T_odom_camera)) std::abort();
       }
     });
+    try_to([&] {
+      for (const kt::MotionSample& sample : dataset.odometry()) {
+        if (!kt::is_valid_pose(sample.T_prior_camera) || !(sample.rotation_sigma > 0)) std::abort();
+      }
+    });
     for (int64_t i = 0; i < std::min<int64_t>(dataset.frame_count(), 3); ++i)
       try_to([&] { dataset.load(i); });
   });
@@ -67,7 +72,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (bytes.size() > 1 && bytes[0] == 0x89) kt::repair_png(repaired);  // a JPEG begins otherwise
   switch (data[0] % 6) {
     case 0:
-      open_folder("tum", {"depth.txt", "rgb.txt", "groundtruth.txt"}, text);
+      open_folder("tum", {"depth.txt", "rgb.txt", "groundtruth.txt", "odometry.txt"}, text);
       break;
     case 1:
       open_folder("icl", {"livingRoom0.gt.freiburg"}, text);

@@ -8,6 +8,7 @@
 #include "shared/io/file.h"
 #include "shared/io/g2o.h"
 #include "shared/io/image_file.h"
+#include "shared/io/odometry_file.h"
 #include "shared/io/ply.h"
 #include "shared/io/trajectory_file.h"
 #include "shared/wire/codec.h"
@@ -34,7 +35,9 @@ kt::RgbdFrame small_frame(int64_t sequence) {
 
 void log_seeds(const fs::path& folder) {
   std::vector<kt::Message> messages = kt::sample_messages();
-  messages.pop_back();  // its images are none
+  // Its images are none.
+  std::erase_if(messages,
+                [](const kt::Message& m) { return std::holds_alternative<kt::CompressedFrame>(m); });
   for (int64_t i = 0; i < 3; ++i)
     messages.push_back(kt::compress(small_frame(i), {.lossless_colour = i == 1}));
   fs::create_directories(folder);
@@ -54,6 +57,9 @@ void dataset_seeds(const fs::path& folder) {
   const kt::RgbdFrame frame = small_frame(1);
   seed(folder, "list", std::string("\0", 1) + "# timestamp filename\n1.5 1.png\n1.533333 2.png\n");
   seed(folder, "poses", std::string("\0", 1) + kt::trajectory_to_text({kt::sample_stamped_pose(1)}));
+  kt::MotionSample odometry;
+  odometry.rotation_sigma = odometry.translation_sigma = 0.02;
+  seed(folder, "odometry", std::string("\0", 1) + kt::odometry_to_text({odometry}));
   seed(folder, "icl",
        "\1"
        "1 0 0 -2.25 0 0 0 1\n2 0.001 -0.002 -2.25 0.1 0 0 0.994987\n");

@@ -23,6 +23,7 @@ class NullSink final : public kt::MessageSink {
   void on_loop_closure(kt::LoopClosure) override {}
   void on_status(kt::MissionStatus) override {}
   void on_raw_frame(kt::RgbdFrame) override {}
+  void on_motion_sample(kt::MotionSample) override {}
   void close() override {}
 };
 

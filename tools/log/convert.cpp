@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "offboard/session/integrity_report.h"
 #include "onboard/source/frame_source.h"
@@ -14,6 +15,7 @@
 #include "shared/io/calibration_file.h"
 #include "shared/io/file.h"
 #include "shared/io/image_header.h"
+#include "shared/io/odometry_file.h"
 #include "shared/io/text_lines.h"
 #include "shared/io/trajectory_file.h"
 #include "shared/wire/codec.h"
@@ -53,11 +55,27 @@ std::string source_to_log(const std::string& from, const std::filesystem::path& 
   }
   const std::unique_ptr<FrameSource> source = open_source(from, options.calibration);
   std::optional<EventLogWriter> log;
-  int64_t frames = 0, skipped = 0;
-  std::string first_reason;
+  int64_t frames = 0, skipped = 0, samples = 0, refused = 0;
+  std::string first_reason, first_refusal;
+  std::vector<MotionSample> early_samples;  // wait for the session, which the first frame begins
+  const auto write_sample = [&](const MotionSample& sample) {
+    log->write(channel_of<MotionSample>(), sample.timestamp_us, encode(sample, samples++));
+  };
   for (SourceItem item = source->next(); item.kind != SourceItem::Kind::kEnd; item = source->next()) {
     if (item.kind == SourceItem::Kind::kSkipped) {
       if (skipped++ == 0) first_reason = item.reason;
+      continue;
+    }
+    if (item.kind == SourceItem::Kind::kSkippedMotion) {
+      if (refused++ == 0) first_refusal = item.reason;
+      continue;
+    }
+    if (item.kind == SourceItem::Kind::kMotion) {
+      if (log) {
+        write_sample(item.motion);
+      } else {
+        early_samples.push_back(item.motion);
+      }
       continue;
     }
     if (!log) {
@@ -67,6 +85,7 @@ std::string source_to_log(const std::string& from, const std::filesystem::path& 
       session.program_version = kProgramVersion;
       session.calibration = source->calibration();
       log->write(channel_of<SessionHeader>(), session.timestamp_us, encode(session, 0));
+      for (const MotionSample& sample : std::exchange(early_samples, {})) write_sample(sample);
     }
     log->write(channel_of<CompressedFrame>(), item.frame.timestamp_us,
                encode(compress(item.frame, options.compression), frames));
@@ -77,6 +96,9 @@ std::string source_to_log(const std::string& from, const std::filesystem::path& 
   log->close();
   std::string text = done_text(to, source->calibration(), frames);
   if (skipped > 0) text += ", " + count_text(skipped, "skipped (the first: ") + first_reason + ")";
+  if (samples > 0) text += ", " + count_text(samples, "motion samples");
+  if (refused > 0)
+    text += ", " + count_text(refused, "motion samples refused (the first: ") + first_refusal + ")";
   return text;
 }
 
@@ -86,6 +108,7 @@ std::string log_to_trajectory(const std::string& from, const std::filesystem::pa
   reader.skip<CloudSlice>();
   reader.skip<Keyframe>();
   reader.skip<CompressedFrame>();
+  reader.skip<MotionSample>();
   Trajectory trajectory;
   while (const std::optional<Message> message = reader.next()) {
     if (const auto* session = std::get_if<SessionHeader>(&*message)) check_format_version(*session, from);
@@ -115,10 +138,14 @@ class TumFolder {
     if (!frame.colour.empty())
       colour_list_ += add_image("rgb/", frame.colour_timestamp_us, frame.colour, name + ", colour");
   }
-  void finish(const Calibration& calibration) const {
+  void finish(const Calibration& calibration, const std::vector<MotionSample>& odometry) const {
     write_file(folder_ / "depth.txt", "# timestamp filename\n" + depth_list_);
     write_file(folder_ / "rgb.txt", "# timestamp filename\n" + colour_list_);
     write_calibration(folder_ / "calibration.yaml", calibration);
+    const std::filesystem::path odometry_file = folder_ / "odometry.txt";
+    std::error_code ignored;
+    std::filesystem::remove(odometry_file, ignored);  // one from before would belong to other frames
+    if (!odometry.empty()) write_odometry(odometry_file, odometry);
   }
 
  private:
@@ -143,11 +170,18 @@ std::string log_to_folder(const std::string& from, const std::filesystem::path& 
   reader.skip<Keyframe>();
   std::optional<Calibration> calibration;
   std::optional<TumFolder> folder;
-  int64_t frames = 0;
+  std::vector<MotionSample> odometry;
+  int64_t frames = 0, samples_left_out = 0;
   while (const std::optional<Message> message = reader.next()) {
     if (const auto* session = std::get_if<SessionHeader>(&*message)) {
       check_format_version(*session, from);
       calibration = session->calibration;
+    } else if (const auto* sample = std::get_if<MotionSample>(&*message)) {
+      if (sample->kind == MotionSample::Kind::kPose && sample->measures_motion()) {
+        odometry.push_back(*sample);
+      } else {
+        ++samples_left_out;
+      }
     } else if (const auto* frame = std::get_if<CompressedFrame>(&*message)) {
       if (!calibration)
         throw Error(from + " holds no session event before its frames, so their calibration is unknown");
@@ -164,8 +198,12 @@ std::string log_to_folder(const std::string& from, const std::filesystem::path& 
     throw Error(from + " holds no raw frames (" + integrity_text(reader.integrity()) +
                 "): for its poses name a .txt file as the target");
   }
-  folder->finish(*calibration);
-  return done_text(to, *calibration, frames) + "; log: " + integrity_text(reader.integrity());
+  folder->finish(*calibration, odometry);
+  std::string text = done_text(to, *calibration, frames);
+  if (!odometry.empty()) text += ", " + count_text(static_cast<int64_t>(odometry.size()), "motion samples");
+  if (samples_left_out > 0)
+    text += ", " + count_text(samples_left_out, "motion samples left out: odometry.txt holds poses");
+  return text + "; log: " + integrity_text(reader.integrity());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Recordings to logs of raw frames and back, and the poses of a log as a trajectory.
+// Recordings to logs of raw frames and motion samples and back, and the poses of a log as a trajectory.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -23,10 +23,10 @@ struct ConvertOptions {
 using FrameProgress = std::function<void(int64_t done, int64_t total)>;
 
 /// One of
-///   a source as open_source takes it  ->  FILE.lcm, a log of its raw frames
+///   a source as open_source takes it  ->  FILE.lcm, a log of its raw frames and motion samples
 ///   a log of a mission                ->  FILE.txt, its poses as a TUM trajectory
 ///   a log of raw frames               ->  any other name: a TUM folder (rgb/, depth/, rgb.txt, depth.txt,
-///   calibration.yaml)
+///   calibration.yaml; odometry.txt where there are motion samples of poses: velocities have no place in it)
 /// Images of a log go to the folder byte by byte. Returns one line that says what was done, with which
 /// camera, and what was left out. Throws kt::Error where `from` cannot be read, holds nothing of the kind
 /// asked for, or `to` cannot be written.

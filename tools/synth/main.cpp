@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   kt::SynthOptions options;
   int64_t frames = 0;
   int threads = 0;
-  bool no_noise = false, no_surface = false, list = false;
+  bool no_noise = false, odometry = false, no_surface = false, list = false;
   app.add_option("NAME", name, "mission; --list names them");
   app.add_option("DIR", folder, "folder to write; made where it does not exist");
   app.add_flag("--list", list, "print the missions and end");
@@ -26,6 +26,8 @@ int main(int argc, char** argv) {
   app.add_option("--downscale", options.downscale, "divide the image size by this; same field of view")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
+  app.add_flag("--odometry", odometry,
+               "write odometry.txt too: the motion as wheels would measure it, 50 Hz, with drift");
   app.add_flag("--no-surface", no_surface, "leave out surface.ply and surface_seen.ply");
   app.add_option("--threads", threads, "frames made at a time; 0 = one per core, same files for any number")
       ->check(CLI::NonNegativeNumber)
@@ -53,6 +55,7 @@ int main(int argc, char** argv) {
       progress.show(static_cast<double>(done) / static_cast<double>(total),
                     "synthetic " + name + ": frame " + std::to_string(done) + " of " + std::to_string(total));
     });
+    if (odometry) kt::write_mission_odometry(mission, folder);
     if (!no_surface) {
       std::fprintf(stderr, "synthetic %s: surface\n", name.c_str());
       kt::write_mission_surface(mission, folder);

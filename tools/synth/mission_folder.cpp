@@ -11,9 +11,11 @@
 #include "shared/io/calibration_file.h"
 #include "shared/io/file.h"
 #include "shared/io/image_file.h"
+#include "shared/io/odometry_file.h"
 #include "shared/io/ply.h"
 #include "shared/io/text_lines.h"
 #include "shared/io/trajectory_file.h"
+#include "shared/synth/wheel_odometry.h"
 
 namespace kt {
 namespace {
@@ -58,6 +60,11 @@ void write_mission_frames(const SyntheticMission& mission, const fs::path& folde
   }
   write_trajectory(folder / "groundtruth.txt", mission.groundtruth());
   write_calibration(folder / "calibration.yaml", mission.calibration());
+}
+
+void write_mission_odometry(const SyntheticMission& mission, const fs::path& folder) {
+  make_folder(folder);
+  write_odometry(folder / "odometry.txt", wheel_odometry(mission));
 }
 
 void write_mission_surface(const SyntheticMission& mission, const fs::path& folder) {

@@ -19,6 +19,9 @@ using Progress = std::function<void(int64_t frames)>;
 void write_mission_frames(const SyntheticMission& mission, const std::filesystem::path& folder, int threads,
                           const Progress& progress);
 
+/// Writes odometry.txt: the camera's motion at 50 Hz as a robot's wheels would measure it.
+void write_mission_odometry(const SyntheticMission& mission, const std::filesystem::path& folder);
+
 /// Writes surface.ply (everything) and surface_seen.ply (what the camera can have seen).
 void write_mission_surface(const SyntheticMission& mission, const std::filesystem::path& folder);
 

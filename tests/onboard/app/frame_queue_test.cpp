@@ -51,6 +51,27 @@ TEST(FrameQueue, ReadsNoFartherAheadThanItsCapacity) {
   }
 }
 
+TEST(FrameQueue, MotionSamplesDoNotTakeTheFramesPlaces) {
+  std::vector<SourceItem> items;
+  for (const SourceItem& frame : numbered_items(3)) {
+    items.insert(items.end(), 50, motion_item({}));
+    items.push_back(frame);
+  }
+  items.insert(items.end(), 2000, motion_item({}));
+  ListSource source(items);
+  FrameQueue queue(source, 2);
+  for (int ms = 0; ms < 3000 && source.delivered() < 102; ++ms)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_GE(source.delivered(), 102u) << "two frames and what stands before them";
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_LE(source.delivered(), 103u);
+  for (int i = 0; i < 153; ++i) EXPECT_NE(queue.next().kind, SourceItem::Kind::kEnd);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_LE(source.delivered(), 153u + 1024 + 1) << "samples alone are bounded, too";
+  for (int i = 0; i < 2000; ++i) EXPECT_EQ(queue.next().kind, SourceItem::Kind::kMotion);
+  EXPECT_EQ(queue.next().kind, SourceItem::Kind::kEnd);
+}
+
 TEST(FrameQueue, PassesAnExceptionOnAfterTheItemsBeforeIt) {
   ListSource source(numbered_items(3), "the disk is gone");
   FrameQueue queue(source);

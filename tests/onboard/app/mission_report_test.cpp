@@ -50,6 +50,26 @@ TEST(MissionReport, TextSaysThatTheUserStoppedIt) {
   EXPECT_THAT(mission_report_text(stopped), HasSubstr("stopped by the user"));
 }
 
+TEST(MissionReport, MotionSamplesAreNamedWhereThereAreAny) {
+  MissionSummary with = summary();
+  with.motion_samples = 500;
+  with.motion_samples_refused = 2;
+  with.motion_refusals = {"its stamp is wrong"};
+  EXPECT_THAT(mission_report_text(with),
+              HasSubstr("500 samples of other sensors, 2 refused\n  refused: its stamp"));
+  EXPECT_THAT(mission_report_text(summary()), testing::Not(HasSubstr("other sensors")));
+  const std::filesystem::path path =
+      std::filesystem::path(testing::TempDir()) / "kintsugi_motion_report.json";
+  write_mission_report(with, path);
+  const nlohmann::json report = nlohmann::json::parse(std::ifstream(path));
+  EXPECT_EQ(report["motion_samples"], 500);
+  EXPECT_EQ(report["motion_samples_refused"], 2);
+  EXPECT_EQ(report["motion_refusals"][0], "its stamp is wrong");
+  write_mission_report(summary(), path);
+  EXPECT_FALSE(nlohmann::json::parse(std::ifstream(path)).contains("motion_samples"));
+  std::filesystem::remove(path);
+}
+
 TEST(MissionReport, OfNothingIsFinite) { EXPECT_THAT(mission_report_text({}), HasSubstr("0.0 % tracked")); }
 
 TEST(MissionReport, JsonHoldsTheSameFigures) {

@@ -77,6 +77,56 @@ TEST(Mission, RecordsRawFramesWhereAsked) {
   }
 }
 
+MotionSample velocity_sample(int64_t timestamp_us) {
+  MotionSample sample;
+  sample.timestamp_us = timestamp_us;
+  sample.kind = MotionSample::Kind::kVelocity;
+  sample.rotation_sigma = sample.translation_sigma = 0.02;
+  return sample;
+}
+
+// Samples before, between and behind three frames; one of them goes back in time.
+std::vector<SourceItem> items_with_motion() {
+  std::vector<SourceItem> items;
+  for (const SourceItem& frame : room_items(3)) {
+    for (const int64_t before_us : {20'000, 10'000})
+      items.push_back(motion_item(velocity_sample(frame.frame.timestamp_us - before_us)));
+    items.push_back(frame);
+  }
+  items.push_back(items[0]);
+  items.push_back(motion_item(velocity_sample(10'000'000)));
+  items.push_back({.kind = SourceItem::Kind::kSkippedMotion, .reason = "not finite"});
+  return items;
+}
+
+TEST(Mission, RecordsMotionSamplesInTheirPlacesAndCountsThem) {
+  ListSource source(items_with_motion());
+  RecordingSink sink;
+  MissionOptions options = small_mission();
+  options.record_raw = true;
+  const MissionSummary summary = run_mission(source, sink, options);
+  EXPECT_EQ(summary.motion_samples, 7);
+  EXPECT_EQ(summary.motion_samples_refused, 2);
+  EXPECT_THAT(summary.motion_refusals, ElementsAre(HasSubstr("does not continue"), "not finite"));
+  EXPECT_EQ(summary.status.frames, 3);
+  EXPECT_EQ(summary.status.frames_skipped, 0);
+  EXPECT_THAT(sink.calls,
+              ElementsAre("session", "motion_sample", "motion_sample", "pose", "raw_frame", "motion_sample",
+                          "motion_sample", "pose", "raw_frame", "motion_sample", "motion_sample", "pose",
+                          "raw_frame", "motion_sample", "slice", "status", "close"));
+  for (size_t i = 0; i < sink.motion_samples.size(); ++i)
+    EXPECT_EQ(sink.motion_samples[i].sequence, static_cast<int64_t>(i));
+  EXPECT_EQ(sink.motion_samples.back().timestamp_us, 10'000'000);
+}
+
+TEST(Mission, MotionSamplesAreLoggedOnlyWithTheRawFrames) {
+  ListSource source(items_with_motion());
+  RecordingSink sink;
+  const MissionSummary summary = run_mission(source, sink, small_mission());
+  EXPECT_EQ(summary.motion_samples, 7);
+  EXPECT_TRUE(sink.motion_samples.empty());
+}
+
 TEST(Mission, StopFlagEndsItWithTheFlush) {
   std::atomic<bool> stop = false;
   ListSource source(room_items(20));

@@ -19,6 +19,7 @@ struct RecordingSink final : MessageSink {
   std::vector<CloudSlice> slices;
   std::vector<MissionStatus> statuses;
   std::vector<RgbdFrame> raw_frames;
+  std::vector<MotionSample> motion_samples;
   bool is_closed = false;
 
   void on_session(SessionHeader session) override { record("session", sessions, std::move(session)); }
@@ -28,6 +29,9 @@ struct RecordingSink final : MessageSink {
   void on_loop_closure(LoopClosure) override { calls.push_back("loop_closure"); }
   void on_status(MissionStatus status) override { record("status", statuses, std::move(status)); }
   void on_raw_frame(RgbdFrame frame) override { record("raw_frame", raw_frames, std::move(frame)); }
+  void on_motion_sample(MotionSample sample) override {
+    record("motion_sample", motion_samples, std::move(sample));
+  }
   void close() override {
     calls.push_back("close");
     is_closed = true;
@@ -41,8 +45,15 @@ struct RecordingSink final : MessageSink {
   }
 };
 
-inline SourceItem frame_item(RgbdFrame frame) { return {SourceItem::Kind::kFrame, std::move(frame), ""}; }
-inline SourceItem skipped_item(const std::string& reason) { return {SourceItem::Kind::kSkipped, {}, reason}; }
+inline SourceItem frame_item(RgbdFrame frame) {
+  return {.kind = SourceItem::Kind::kFrame, .frame = std::move(frame)};
+}
+inline SourceItem skipped_item(const std::string& reason) {
+  return {.kind = SourceItem::Kind::kSkipped, .reason = reason};
+}
+inline SourceItem motion_item(const MotionSample& sample) {
+  return {.kind = SourceItem::Kind::kMotion, .motion = sample};
+}
 
 /// Hands out its items, then throws `failure` where there is one, else says kEnd for ever.
 class ListSource final : public FrameSource {

@@ -38,6 +38,7 @@ void run_mission(MessageSink& sink) {
   }
   sink.on_keyframe(sample_keyframe());
   sink.on_loop_closure(sample_loop());
+  sink.on_motion_sample(sample_motion());
 }
 
 TEST(LogSink, StoresEverythingInCallOrder) {
@@ -68,6 +69,7 @@ TEST(LogSink, StoresEverythingInCallOrder) {
   }
   expect_next(sample_keyframe());
   expect_next(sample_loop());
+  expect_next(sample_motion());
   EXPECT_FALSE(reader.next());
   EXPECT_TRUE(reader.integrity().is_sound());
 }

@@ -1,13 +1,17 @@
 // Sources behind one interface: what passes, what is skipped and why, what cannot be opened.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <limits>
+#include <sstream>
 
 #include "onboard/source/checked_source.h"
 #include "onboard/source/frame_source.h"
 #include "shared/io/calibration_file.h"
 #include "shared/io/file.h"
 #include "shared/io/image_file.h"
+#include "shared/io/odometry_file.h"
 #include "shared/io/text_lines.h"
 #include "shared/synth/mission.h"
 #include "shared/wire/codec.h"
@@ -38,21 +42,28 @@ RgbdFrame small_frame(int64_t stamp_us) {
           .colour = Image<Rgb8>(64, 48, Rgb8{9, 9, 9})};
 }
 
-/// Hands out prepared frames; an empty optional is one that cannot be read.
+SourceItem frame_item(RgbdFrame frame) { return {.kind = Kind::kFrame, .frame = std::move(frame)}; }
+SourceItem motion_item(const MotionSample& sample) { return {.kind = Kind::kMotion, .motion = sample}; }
+
+/// Hands out prepared frames or items; an empty optional is one that cannot be read.
 class PreparedSource final : public FrameSource {
  public:
-  explicit PreparedSource(std::vector<std::optional<RgbdFrame>> frames) : frames_(std::move(frames)) {}
-  SourceItem next() override {
-    if (next_ == frames_.size()) return {};
-    const std::optional<RgbdFrame>& frame = frames_[next_++];
-    if (!frame) throw Error("7.png: is truncated");
-    return {Kind::kFrame, *frame, {}};
+  explicit PreparedSource(std::vector<std::optional<SourceItem>> items) : items_(std::move(items)) {}
+  explicit PreparedSource(const std::vector<std::optional<RgbdFrame>>& frames) {
+    for (const std::optional<RgbdFrame>& frame : frames)
+      items_.push_back(frame ? std::optional(frame_item(*frame)) : std::nullopt);
   }
-  int64_t frame_count() const override { return static_cast<int64_t>(frames_.size()); }
+  SourceItem next() override {
+    if (next_ == items_.size()) return {};
+    const std::optional<SourceItem>& item = items_[next_++];
+    if (!item) throw Error("7.png: is truncated");
+    return *item;
+  }
+  int64_t frame_count() const override { return static_cast<int64_t>(items_.size()); }
   const Calibration& calibration() const override { return calibration_; }
 
  private:
-  std::vector<std::optional<RgbdFrame>> frames_;
+  std::vector<std::optional<SourceItem>> items_;
   size_t next_ = 0;
   Calibration calibration_ = small_calibration();
 };
@@ -133,6 +144,93 @@ TEST(CheckedSource, ARealPauseCostsNoFrame) {
   EXPECT_EQ(pass_stamps({}), (Passed{{}, 0}));
 }
 
+MotionSample sample_at(double stamp_s) {
+  MotionSample sample;
+  sample.timestamp_us = std::llround(stamp_s * 1e6);
+  sample.rotation_sigma = sample.translation_sigma = 0.02;
+  return sample;
+}
+
+/// Reads `source` to its end: "f100 m100.5 -m M ..." for frames and samples that pass, and -f, -m for skipped
+/// ones.
+std::string story_of(FrameSource& source) {
+  std::string story;
+  int64_t samples = 0;
+  for (SourceItem item = source.next(); item.kind != Kind::kEnd; item = source.next()) {
+    std::ostringstream text;
+    if (item.kind == Kind::kFrame) text << "f" << static_cast<double>(item.frame.timestamp_us) * 1e-6;
+    if (item.kind == Kind::kSkipped) text << "-f";
+    if (item.kind == Kind::kSkippedMotion) text << "-m";
+    if (item.kind == Kind::kMotion) {
+      text << "m" << static_cast<double>(item.motion.timestamp_us) * 1e-6;
+      EXPECT_EQ(item.motion.sequence, samples++);
+    }
+    EXPECT_EQ(item.reason.empty(), item.kind == Kind::kFrame || item.kind == Kind::kMotion);
+    story += (story.empty() ? "" : " ") + text.str();
+  }
+  EXPECT_EQ(source.next().kind, Kind::kEnd);
+  return story;
+}
+
+/// The story of frames (positive numbers) and samples (negative ones) at these stamps (s).
+std::string checked_story(const std::vector<double>& stamps_s) {
+  std::vector<std::optional<SourceItem>> items;
+  for (const double stamp_s : stamps_s) {
+    items.push_back(stamp_s > 0 ? frame_item(small_frame(std::llround(stamp_s * 1e6)))
+                                : motion_item(sample_at(-stamp_s)));
+  }
+  CheckedSource source(std::make_unique<PreparedSource>(items));
+  return story_of(source);
+}
+
+TEST(CheckedSource, MotionSamplesKeepTheirPlaceAmongTheFrames) {
+  EXPECT_EQ(checked_story({-99, -100, 100, -100.5, -101, 101, -101.5, 102, -102.5}),
+            "m99 m100 f100 m100.5 m101 f101 m101.5 f102 m102.5");
+  EXPECT_EQ(checked_story({-1, 100, -100.5, 101}), "m1 f100 m100.5 f101");  // the stream began long before
+  EXPECT_EQ(checked_story({100, -101, -200, -300, 301, 302}),
+            "f100 m101 m200 m300 f301 f302");  // a pause of frames
+  EXPECT_EQ(checked_story({-1, -2}), "m1 m2");
+}
+
+TEST(CheckedSource, AFrameWithAWrongStampCostsNoMotionSample) {
+  EXPECT_EQ(checked_story({100, -100.5, 9000, -100.9, 101, 102}),
+            "f100 -f m100.5 m100.9 f101 f102");                                                     // ahead
+  EXPECT_EQ(checked_story({-99, 9000, -100, 100, 101}), "-f m99 m100 f100 f101");                   // first
+  EXPECT_EQ(checked_story({100, 101, -101.5, 3, -101.9, 102}), "f100 f101 -f m101.5 m101.9 f102");  // behind
+  EXPECT_EQ(checked_story({100, 101, -101.5, 9000, -102}), "f100 f101 -f m101.5 m102");  // the last
+}
+
+TEST(CheckedSource, AMotionSampleWithAWrongStampCostsItselfOnly) {
+  EXPECT_EQ(checked_story({100, -100.5, -9000, -100.9, 101}), "f100 m100.5 -m m100.9 f101");
+  EXPECT_EQ(checked_story({-9000, -99, 100, 101}), "-m m99 f100 f101");
+  EXPECT_EQ(checked_story({100, -100.5, -100.5, -3, -100.6, 101}), "f100 m100.5 -m -m m100.6 f101");
+}
+
+TEST(CheckedSource, InsaneMotionSamplesAreSkippedWithAReasonAndAreNoFrames) {
+  std::vector<MotionSample> samples(7, sample_at(1));
+  samples[0].T_prior_camera.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  samples[1].velocity[3] = 1e9;
+  samples[2].rotation_sigma = -1;
+  samples[3].rotation_sigma = 0;  // a pose without rotation
+  samples[5].kind = MotionSample::Kind::kVelocity;
+  samples[5].timestamp_us = samples[6].timestamp_us = 2'000'000;
+  std::vector<std::optional<SourceItem>> items;
+  for (const MotionSample& sample : samples) items.push_back(motion_item(sample));
+  items.push_back(frame_item(small_frame(2'000'000)));
+  CheckedSource source(std::make_unique<PreparedSource>(items));
+  for (const char* reason :
+       {"not finite", "out of range", "out of range", "measures no motion", "", "kind", ""}) {
+    const SourceItem item = source.next();
+    EXPECT_EQ(item.kind, *reason ? Kind::kSkippedMotion : Kind::kMotion) << reason;
+    EXPECT_THAT(item.reason, HasSubstr(reason));
+    if (*reason) {
+      EXPECT_THAT(item.reason, HasSubstr("motion sample at "));
+    }
+  }
+  EXPECT_EQ(source.next().kind, Kind::kFrame);
+  EXPECT_EQ(source.next().kind, Kind::kEnd);
+}
+
 TEST(CheckedSource, RefusesAnAbsurdCalibration) {
   Calibration absurd = small_calibration();
   absurd.name = "bent";
@@ -179,6 +277,42 @@ TEST(OpenSource, ReadsADataset) {
   EXPECT_EQ(last.frame.sequence, 1);
   EXPECT_EQ(last.frame.timestamp_us, 300'000);
   EXPECT_EQ(source->next().kind, Kind::kEnd);
+}
+
+/// A TUM folder of frames and odometry at these stamps (s).
+void write_folder(const fs::path& folder, const std::vector<double>& frames_s,
+                  const std::vector<double>& samples_s) {
+  write_depth(folder / "1.png", small_frame(0).depth);
+  std::string list;
+  for (const double stamp_s : frames_s) list += format_stamp_us(std::llround(stamp_s * 1e6)) + " 1.png\n";
+  write_file(folder / "depth.txt", list);
+  std::vector<MotionSample> samples;
+  for (const double stamp_s : samples_s) samples.push_back(sample_at(stamp_s));
+  write_odometry(folder / "odometry.txt", samples);
+}
+
+TEST(OpenSource, OdometryOfAFolderComesBeforeTheFramesThatAreNotOlder) {
+  const ScratchDir folder;
+  const auto story = [&](const std::vector<double>& frames_s, const std::vector<double>& samples_s) {
+    write_folder(folder.path(), frames_s, samples_s);
+    const auto source = open_source("tum:" + folder.path().string(), small_calibration());
+    EXPECT_EQ(source->frame_count(), static_cast<int64_t>(frames_s.size()));
+    return story_of(*source);
+  };
+  EXPECT_EQ(story({10, 11, 12}, {9, 9.5, 10, 10.5, 11.5, 12, 12.5}),
+            "m9 m9.5 m10 f10 m10.5 f11 m11.5 m12 f12 m12.5");
+  EXPECT_EQ(story({10, 11}, {10.6, 10.3, 10.6}), "f10 m10.3 m10.6 -m f11");  // in the order of the stamps
+  EXPECT_EQ(story({10, 9000, 11, 12}, {10.5, 11.5}), "f10 -f m10.5 f11 m11.5 f12");
+  EXPECT_EQ(story({10, 3, 11, 12}, {10.5, 11.5}), "f10 -f m10.5 f11 m11.5 f12");
+  EXPECT_EQ(story({10, 11, 12}, {10.5, 9000, 11.5}), "f10 m10.5 f11 m11.5 f12 m9000");
+}
+
+TEST(OpenSource, BadOdometryIsAnErrorThatNamesItsLine) {
+  const ScratchDir folder;
+  write_folder(folder.path(), {10}, {});
+  write_file(folder / "odometry.txt", "10 0 0 0 0 0 0 1\n11 0 0\n");
+  EXPECT_THAT(error_of([&] { open_source("tum:" + folder.path().string(), small_calibration()); }),
+              HasSubstr("odometry.txt, line 2"));
 }
 
 TEST(OpenSource, BadGroundTruthStopsNoMission) {
@@ -243,6 +377,31 @@ TEST(OpenSource, ReplaysTheRawFramesOfALog) {
   EXPECT_EQ(last.kind, Kind::kFrame);
   EXPECT_EQ(last.frame.sequence, 1);
   EXPECT_EQ(source->next().kind, Kind::kEnd);
+}
+
+TEST(OpenSource, ReplaysTheMotionSamplesOfALogInTheirPlaces) {
+  const ScratchDir folder;
+  {
+    EventLogWriter writer(folder / "a.lcm");
+    SessionHeader session;
+    session.calibration = small_calibration();
+    writer.write(channel_of<SessionHeader>(), 1, encode(session, 0));
+    int64_t samples = 0, frames = 0;
+    for (const double stamp_s : {-9.0, -10.0, 10.0, -10.5, 11.0, -11.5, -11.8, 12.0, -12.5}) {
+      const int64_t stamp_us = std::llround(std::abs(stamp_s) * 1e6);
+      if (stamp_s > 0) {
+        writer.write(channel_of<CompressedFrame>(), stamp_us,
+                     encode(compress(small_frame(stamp_us)), frames++));
+        continue;
+      }
+      std::vector<uint8_t> message = encode(sample_at(-stamp_s), samples++);
+      if (stamp_s == -11.5) message[100] ^= 1;
+      writer.write(channel_of<MotionSample>(), stamp_us, message);
+    }
+    writer.close();
+  }
+  const auto source = open_source("lcm-log:" + (folder / "a.lcm").string());
+  EXPECT_EQ(story_of(*source), "m9 m10 f10 m10.5 f11 -m m11.8 f12 m12.5");
 }
 
 TEST(OpenSource, ALogWithoutItsSessionTakesAGivenCalibration) {

@@ -9,6 +9,7 @@
 #include "shared/io/calibration_file.h"
 #include "shared/io/dataset.h"
 #include "shared/io/image_file.h"
+#include "shared/io/odometry_file.h"
 #include "shared/io/text_lines.h"
 #include "shared/io/trajectory_file.h"
 #include "shared/wire/message_reader.h"
@@ -87,6 +88,68 @@ TEST(Convert, LogOfRawFramesIsASourceItself) {
   convert("tum:" + (scratch / "tum").string(), scratch / "a.lcm", lossless);
   convert("lcm-log:" + (scratch / "a.lcm").string(), scratch / "b.lcm", lossless);
   EXPECT_EQ(read_bytes(scratch / "a.lcm"), read_bytes(scratch / "b.lcm"));
+}
+
+MotionSample odometry_sample(int64_t timestamp_us) {
+  MotionSample sample;
+  sample.timestamp_us = timestamp_us;
+  sample.T_prior_camera = sample_pose(0.1);
+  sample.rotation_sigma = 0.03;
+  sample.translation_sigma = 0.04;
+  return sample;
+}
+
+TEST(Convert, OdometryComesAlongBothWays) {
+  const ScratchDir scratch;
+  write_tum_folder(scratch / "tum");
+  std::vector<MotionSample> samples;  // from before the first frame to behind the last
+  for (int64_t i = -3; i < 9; ++i) samples.push_back(odometry_sample(depth_stamp_us(0) + 20'000 * i));
+  write_odometry(scratch / "tum" / "odometry.txt", samples);
+  const std::string done = convert("tum:" + (scratch / "tum").string(), scratch / "raw.lcm", {});
+  EXPECT_NE(done.find("3 frames, 12 motion samples"), std::string::npos) << done;
+
+  MessageReader reader(scratch / "raw.lcm");
+  int64_t read = 0, frame_us = 0;
+  for (size_t messages = 0; const auto message = reader.next(); ++messages) {
+    EXPECT_EQ(std::holds_alternative<SessionHeader>(*message), messages == 0);
+    if (const auto* frame = std::get_if<CompressedFrame>(&*message)) frame_us = frame->timestamp_us;
+    const auto* sample = std::get_if<MotionSample>(&*message);
+    if (sample == nullptr) continue;
+    EXPECT_EQ(sample->sequence, read);
+    EXPECT_GT(sample->timestamp_us, frame_us) << "stands before the first frame that is not older";
+    EXPECT_EQ(sample->timestamp_us, samples[static_cast<size_t>(read++)].timestamp_us);
+  }
+  EXPECT_EQ(read, 12);
+  EXPECT_TRUE(reader.integrity().is_sound());
+
+  const std::string back = convert((scratch / "raw.lcm").string(), scratch / "back", {});
+  EXPECT_NE(back.find("3 frames, 12 motion samples;"), std::string::npos) << back;
+  EXPECT_EQ(read_bytes(scratch / "back" / "odometry.txt"), read_bytes(scratch / "tum" / "odometry.txt"));
+}
+
+TEST(Convert, RefusedMotionSamplesAreCounted) {
+  const ScratchDir scratch;
+  write_tum_folder(scratch / "tum");
+  write_odometry(scratch / "tum" / "odometry.txt",
+                 {odometry_sample(depth_stamp_us(0)), odometry_sample(depth_stamp_us(0))});
+  const std::string done = convert("tum:" + (scratch / "tum").string(), scratch / "raw.lcm", {});
+  EXPECT_NE(done.find("1 motion samples, 1 motion samples refused (the first: "), std::string::npos) << done;
+}
+
+TEST(Convert, VelocitiesHaveNoPlaceInAFolder) {
+  const ScratchDir scratch;
+  write_tum_folder(scratch / "tum");
+  write_odometry(scratch / "tum" / "odometry.txt", {odometry_sample(depth_stamp_us(0))});
+  LogSink sink(scratch / "a.lcm");
+  sink.on_session(sample_session());
+  MotionSample velocity = odometry_sample(1);
+  velocity.kind = MotionSample::Kind::kVelocity;
+  sink.on_motion_sample(velocity);
+  sink.on_raw_frame({0, 5, 5, Image<uint16_t>(64, 48, uint16_t{5000}), {}});
+  sink.close();
+  const std::string done = convert((scratch / "a.lcm").string(), scratch / "tum", {.overwrite = true});
+  EXPECT_NE(done.find("1 motion samples left out: odometry.txt holds poses"), std::string::npos) << done;
+  EXPECT_FALSE(std::filesystem::exists(scratch / "tum" / "odometry.txt")) << "of other frames";
 }
 
 TEST(Convert, JpegIsTheDefaultForColour) {

@@ -13,7 +13,7 @@
 namespace kt {
 namespace {
 
-// 31 poses in one second of sensor time, and one of everything else.
+// 31 poses in one second of sensor time, a slice, and two motion samples per second.
 void record_mission(const std::filesystem::path& log) {
   LogSink sink(log);
   sink.on_session(sample_session());
@@ -26,6 +26,11 @@ void record_mission(const std::filesystem::path& log) {
   CloudSlice slice = sample_slice();
   slice.timestamp_us = sample_session().timestamp_us + 400'000;
   sink.on_slice(slice);
+  for (int64_t i = 0; i < 3; ++i) {
+    MotionSample sample = sample_motion();
+    sample.timestamp_us = sample_session().timestamp_us + i * 500'000;
+    sink.on_motion_sample(sample);
+  }
   sink.close();
 }
 
@@ -45,13 +50,16 @@ TEST(LogInfo, CountsRatesAndPoses) {
   EXPECT_DOUBLE_EQ(json["duration_s"], 1.0);
   EXPECT_DOUBLE_EQ(json["channels"]["KINTSUGI_POSE"]["rate_hz"], 30.0);
   EXPECT_EQ(json["channels"]["KINTSUGI_POSE"]["messages"], 31);
+  EXPECT_EQ(json["channels"]["KINTSUGI_MOTION"]["messages"], 3);
+  EXPECT_DOUBLE_EQ(json["channels"]["KINTSUGI_MOTION"]["rate_hz"], 2.0);
   EXPECT_EQ(json["poses"]["uncertain"], 11);
   EXPECT_EQ(json["session"]["configuration_yaml"], sample_session().configuration_yaml);
   EXPECT_EQ(json["integrity"]["sound"], true);
 
   const std::string text = info_text(info);
   EXPECT_NE(text.find("20 good 11 uncertain 0 lost"), std::string::npos) << text;
-  EXPECT_NE(text.find("33 events, no damage"), std::string::npos) << text;
+  EXPECT_NE(text.find("36 events, no damage"), std::string::npos) << text;
+  EXPECT_NE(text.find("KINTSUGI_MOTION            3      2.00"), std::string::npos) << text;
   EXPECT_NE(text.find("voxel_size_m: 0.01"), std::string::npos) << text;
 }
 

@@ -11,9 +11,11 @@
 #include "shared/io/calibration_file.h"
 #include "shared/io/file.h"
 #include "shared/io/image_file.h"
+#include "shared/io/odometry_file.h"
 #include "shared/io/ply.h"
 #include "shared/io/trajectory_file.h"
 #include "shared/synth/mission.h"
+#include "shared/synth/wheel_odometry.h"
 
 namespace kt {
 namespace {
@@ -89,6 +91,22 @@ TEST_F(SynthProgram, OptionsReachTheFrames) {
                                {.noise = false, .exposure_drift = false, .frames = 1, .downscale = 8});
   EXPECT_EQ(read_colour(folder_ / "clean/rgb/1.000000.png"), clean.render(0).colour);
   EXPECT_FALSE(fs::exists(folder_ / "clean/surface.ply"));
+}
+
+TEST_F(SynthProgram, WritesTheSameOdometryEveryTimeWhereAsked) {
+  const std::string base = " --frames 7 --downscale 8 --no-surface";
+  ASSERT_EQ(run("room " + (folder_ / "a").string() + base + " --odometry").exit_code, 0);
+  ASSERT_EQ(run("room " + (folder_ / "b").string() + base + " --odometry --threads 3 --no-noise").exit_code,
+            0);
+  ASSERT_EQ(run("room " + (folder_ / "without").string() + base).exit_code, 0);
+  EXPECT_EQ(read_file(folder_ / "a/odometry.txt"), read_file(folder_ / "b/odometry.txt"));
+  EXPECT_FALSE(fs::exists(folder_ / "without/odometry.txt"));
+  const std::vector<MotionSample> samples = read_odometry(folder_ / "a/odometry.txt");
+  ASSERT_EQ(samples.size(), 11u);
+  EXPECT_EQ(samples.front().timestamp_us, 1'000'000);
+  EXPECT_EQ(samples.back().timestamp_us, 1'200'000);
+  EXPECT_EQ(samples.back().rotation_sigma, WheelFlaws{}.rotation_sigma);
+  EXPECT_EQ(samples.back().translation_sigma, WheelFlaws{}.translation_sigma);
 }
 
 TEST_F(SynthProgram, ListsEveryMission) {
