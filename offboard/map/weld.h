@@ -13,12 +13,12 @@ namespace kt {
 /// Copies of one vertex that differ by no more than this share of a voxel agree.
 inline constexpr float kWeldAgreement = 0.01f;
 
-/// Joins slices that share a grid: vertices with the same EdgeKey become one, so that neighbours meet without
-/// gap. Where all copies agree with the first (the rule: the collector freezes what slices share), the first
-/// stands as it is; else the vertex is the mean of the copies by weight, and its weight their sum. A place
-/// that several slices hold, for the volume came back to it, has one sheet: each cell's triangles come from
-/// one slice, and the splinters that this leaves are dropped (overlap.h), as are triangles with a repeated
-/// corner and vertices without a triangle.
+/// Joins slices that share a grid, so of one segment: vertices with the same EdgeKey become one, so that
+/// neighbours meet without gap. Where all copies agree with the first (the rule: the collector freezes what
+/// slices share), the first stands as it is; else the vertex is the mean of the copies by weight, and its
+/// weight their sum. A place that several slices hold, for the volume came back to it, has one sheet: each
+/// cell's triangles come from one slice, and the splinters that this leaves are dropped (overlap.h), as are
+/// triangles with a repeated corner and vertices without a triangle.
 ///
 /// The mesh is in the frame of the slices, with normals, colours, and the weight as quality; vertices ascend
 /// by key, triangles by their corners, each beginning with its smallest. It depends on the order of `slices`

@@ -15,34 +15,37 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json frames_json(const Session& session) {
+Json frames_json(std::span<const SegmentMap> segments, int64_t skipped) {
+  size_t processed = 0;
   std::array<int64_t, 3> by_status{};
-  for (const StampedPose& pose : session.trajectory) ++by_status[static_cast<size_t>(pose.status)];
-  Json json = {{"processed", session.trajectory.size()}};
+  for (const SegmentMap& map : segments) {
+    processed += map.segment.trajectory.size();
+    for (const StampedPose& pose : map.segment.trajectory) ++by_status[static_cast<size_t>(pose.status)];
+  }
+  Json json = {{"processed", processed}};
   for (const TrackingStatus status :
        {TrackingStatus::kGood, TrackingStatus::kUncertain, TrackingStatus::kLost}) {
     json[to_string(status)] = by_status[static_cast<size_t>(status)];
   }
-  json["skipped"] = session.last_status.frames_skipped;
+  json["skipped"] = skipped;
   return json;
 }
 
 Json trajectory_json(const Trajectory& trajectory) {
-  double length_m = 0;
-  for (size_t i = 1; i < trajectory.size(); ++i) {
-    length_m +=
-        (trajectory[i].T_odom_camera.translation() - trajectory[i - 1].T_odom_camera.translation()).norm();
-  }
   const int64_t duration_us =
       trajectory.empty() ? 0 : trajectory.back().timestamp_us - trajectory.front().timestamp_us;
-  return {{"path_length_m", length_m}, {"duration_s", static_cast<double>(duration_us) * 1e-6}};
+  return {{"path_length_m", path_length_m(trajectory)},
+          {"duration_s", static_cast<double>(duration_us) * 1e-6}};
 }
 
-Json slices_json(const std::vector<CloudSlice>& slices) {
-  size_t vertices = 0, triangles = 0;
-  for (const CloudSlice& slice : slices)
-    vertices += slice.vertices.size(), triangles += slice.triangles.size();
-  return {{"count", slices.size()}, {"vertices", vertices}, {"triangles", triangles}};
+Json slices_json(std::span<const SegmentMap> segments) {
+  size_t count = 0, vertices = 0, triangles = 0;
+  for (const SegmentMap& map : segments) {
+    count += map.segment.slices.size();
+    for (const CloudSlice& slice : map.segment.slices)
+      vertices += slice.vertices.size(), triangles += slice.triangles.size();
+  }
+  return {{"count", count}, {"vertices", vertices}, {"triangles", triangles}};
 }
 
 Json map_json(const Mesh& map) {
@@ -60,9 +63,39 @@ Json map_json(const Mesh& map) {
   return json;
 }
 
+Json segment_json(const SegmentMap& map) {
+  const Trajectory& trajectory = map.segment.trajectory;
+  const bool is_empty = trajectory.empty();
+  return {{"number", map.segment.number},
+          {"frames", trajectory.size()},
+          {"good", map.segment.good_frames()},
+          {"first_us", is_empty ? Json() : Json(trajectory.front().timestamp_us)},
+          {"last_us", is_empty ? Json() : Json(trajectory.back().timestamp_us)},
+          {"vertices", map.map.vertices.size()},
+          {"triangles", map.map.triangles.size()},
+          {"path_length_m", path_length_m(trajectory)},
+          {"folder", map.folder.empty() ? Json() : Json(map.folder)}};
+}
+
+Json segments_json(std::span<const SegmentMap> segments, size_t main) {
+  Json list = Json::array();
+  for (const SegmentMap& map : segments) list.push_back(segment_json(map));
+  return {{"joined", false}, {"main", segments[main].segment.number}, {"list", list}};
+}
+
 }  // namespace
 
-std::string map_report(const Session& session, const Mesh& map, const RunFigures& run) {
+double path_length_m(const Trajectory& trajectory) {
+  double length_m = 0;
+  for (size_t i = 1; i < trajectory.size(); ++i) {
+    length_m +=
+        (trajectory[i].T_odom_camera.translation() - trajectory[i - 1].T_odom_camera.translation()).norm();
+  }
+  return length_m;
+}
+
+std::string map_report(const Session& session, std::span<const SegmentMap> segments, size_t main,
+                       const RunFigures& run) {
   const auto accepted = std::count_if(session.loop_closures.begin(), session.loop_closures.end(),
                                       [](const LoopClosure& loop) { return loop.accepted; });
   Json steps;
@@ -72,12 +105,13 @@ std::string map_report(const Session& session, const Mesh& map, const RunFigures
       {"calibration", session.header.calibration.name},
       {"start_us", session.header.timestamp_us},
       {"integrity", integrity_json(session.integrity)},
-      {"frames", frames_json(session)},
-      {"trajectory", trajectory_json(session.trajectory)},
+      {"frames", frames_json(segments, session.last_status.frames_skipped)},
+      {"trajectory", trajectory_json(segments[main].segment.trajectory)},
       {"keyframes", session.keyframes.size()},
       {"loop_closures", {{"candidates", session.loop_closures.size()}, {"accepted", accepted}}},
-      {"slices", slices_json(session.slices)},
-      {"map", map_json(map)},
+      {"slices", slices_json(segments)},
+      {"map", map_json(segments[main].map)},
+      {"segments", segments_json(segments, main)},
       {"run", {{"log", run.log}, {"steps_s", steps}, {"peak_memory_bytes", run.peak_memory_bytes}}},
   };
   // A name in the log may hold bytes that are no UTF-8.

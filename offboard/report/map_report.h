@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "offboard/session/segments.h"
 #include "shared/io/mesh.h"
 #include "shared/types/session.h"
 
@@ -19,7 +22,20 @@ struct RunFigures {
   int64_t peak_memory_bytes = 0;
 };
 
-/// JSON text. All but "run" is the same for every run over the same log.
-std::string map_report(const Session& session, const Mesh& map, const RunFigures& run);
+/// A segment, the map made of it, and where that stands.
+struct SegmentMap {
+  Segment segment;
+  Mesh map;
+  std::string folder;  ///< within the output folder: "." for the main segment; "" where nothing is written
+};
+
+/// Metres from pose to pose.
+double path_length_m(const Trajectory& trajectory);
+
+/// JSON text. "trajectory" and "map" are of segments[main], "segments" lists all, the rest is of the whole
+/// mission: `session` without its poses and slices, which the segments hold. All but "run" is the same for
+/// every run over the same log.
+std::string map_report(const Session& session, std::span<const SegmentMap> segments, size_t main,
+                       const RunFigures& run);
 
 }  // namespace kt

@@ -72,6 +72,7 @@ StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, const
                             int64_t sequence) {
   keyframes_.look_at(maps);
   if (!model) return start_segment(maps, sequence);
+  motion_ = motion_prior_.between(last_good_.timestamp_us, maps.timestamp_us);
   Estimate estimate;
   if (const auto confirmed = confirm(maps, predict)) {
     estimate = *confirmed;
@@ -81,6 +82,9 @@ StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, const
     if (is_search) {
       if (const auto found = relocalise(maps, predict)) estimate = *found;
     }
+    if (estimate.result.status == TrackingStatus::kLost && motion_ && motion_->has_rotation &&
+        motion_->has_translation)
+      estimate = dead_reckoned(estimate);
   }
   if (estimate.result.status != TrackingStatus::kGood &&
       estimate.result.cause != TrackingCause::kUnconstrained &&
@@ -99,6 +103,10 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
   const auto guess_at = [&](const Pose& T_odom_camera) {
     TrackGuess guess{T_odom_camera, exposure_};
     guess.velocity = log_se3(T_odom_last.inverse() * T_odom_camera) / dt_s;
+    if (motion_) {
+      guess.T_odom_motion = T_odom_last * motion_->T_from_to;
+      guess.motion_information = transported(motion_->information, T_odom_last.inverse());
+    }
     return guess;
   };
   const ModelView* view = &model;
@@ -118,9 +126,8 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
                    best.result.quality.inlier_share >= config_.sure_inlier_share;
   };
 
-  const Pose T_last_moved = exp_se3(velocity_ * std::min(dt_s, kLongestPrediction_s));
-  Pose T_last_turned = T_last_moved;
-  T_last_turned.linear() = rotation_aligner_.align(maps, T_last_moved.linear());
+  Pose T_last_turned = predicted_motion(dt_s);
+  T_last_turned.linear() = rotation_aligner_.align(maps, T_last_turned.linear());
   const Pose T_odom_guess = T_odom_last * T_last_turned;
   attempt(&reference_, T_odom_guess, view_at(T_odom_last), PoseSource::kModel);
   if (best.is_sure) return best;
@@ -151,6 +158,26 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
     best.from_sequence = keyframes_.keyframe(found->keyframe).sequence;
   }
   return best;
+}
+
+Pose Odometry::predicted_motion(double dt_s) const {
+  Pose T_last_now = exp_se3(velocity_ * std::min(dt_s, kLongestPrediction_s));
+  if (motion_ && motion_->has_rotation) T_last_now.linear() = motion_->T_from_to.linear();
+  if (motion_ && motion_->has_translation) T_last_now.translation() = motion_->T_from_to.translation();
+  return T_last_now;
+}
+
+Odometry::Estimate Odometry::dead_reckoned(const Estimate& lost) const {
+  Estimate estimate;
+  estimate.result.T_odom_camera = last_good_.T_odom_camera * motion_->T_from_to;
+  estimate.result.status = TrackingStatus::kUncertain;
+  estimate.result.cause = lost.result.cause;
+  estimate.result.quality = lost.result.quality;
+  estimate.source = PoseSource::kPrior;
+  estimate.segment = last_good_.segment;
+  estimate.from_sequence = last_good_.sequence;
+  estimate.information = motion_->information;
+  return estimate;
 }
 
 Odometry::Estimate Odometry::by_model(const FrameMaps& maps, const ModelView& model,
@@ -288,7 +315,7 @@ StampedPose Odometry::conclude(const FrameMaps& maps, const Estimate& estimate, 
   } else {
     ++frames_since_good_;
     if (pose.status == TrackingStatus::kUncertain) {
-      pose.information *= kUncertainInformation;
+      if (pose.source != PoseSource::kPrior) pose.information *= kUncertainInformation;
     } else {
       pose.T_odom_camera = last_good_.T_odom_camera;
       pose.from_sequence = last_good_.sequence;

@@ -60,6 +60,9 @@ class Odometry {
     int keyframe = -1;
   };
 
+  /// Where the camera should be now, seen from the last good frame.
+  Pose predicted_motion(double dt_s) const;
+  Estimate dead_reckoned(const Estimate& lost) const;
   Estimate follow(const FrameMaps& maps, const ModelView& model, const PredictSurface& predict);
   Estimate by_model(const FrameMaps& maps, const ModelView& model, const PhotometricReference* reference,
                     const TrackGuess& guess, PoseSource source);
@@ -79,8 +82,8 @@ class Odometry {
   KeptSurface last_surface_;  // of the last good frame
   Exposure exposure_;         // of the last good frame against the reference
   MotionPrior motion_prior_;
-  Exposure exposure_;  // of the last good frame against the reference
   TrackResult result_;
+  std::optional<RelativeMotion> motion_;  // what another sensor says, from the last good frame to this one
   StampedPose last_good_;
   Vector6d velocity_ = Vector6d::Zero();  // of the camera in its own frame, per second
   std::optional<Candidate> candidate_;

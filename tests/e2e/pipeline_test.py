@@ -33,8 +33,11 @@ class PipelineTest(ProgramTest):
         self.assertGreater(winding_agreement(read_ply(out / "map.ply")), 0.98)
 
         truth = room / "groundtruth.txt"
-        trajectory = self.evaluate("trajectory", estimate=out / "trajectory.txt", groundtruth=truth)
+        trajectory = self.evaluate("trajectory", estimate=out / "trajectory.txt", groundtruth=truth,
+                                   graph=out / "poses.g2o")
         self.assertLess(trajectory["ate"]["rmse_m"], 0.010)
+        self.assertEqual(trajectory["consistency"]["pairs"], trajectory["rpe"]["pairs"])
+        self.assertEqual(trajectory["consistency"]["pairs_left_out"], 0)
         surface = self.evaluate("surface", map=out / "map.ply", groundtruth=room / "surface.ply",
                                 seen=room / "surface_seen.ply", align_estimate=out / "trajectory.txt",
                                 align_groundtruth=truth)

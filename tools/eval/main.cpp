@@ -8,6 +8,7 @@
 
 #include "shared/cli/program.h"
 #include "shared/io/file.h"
+#include "shared/io/g2o.h"
 #include "shared/io/ply.h"
 #include "shared/io/trajectory_file.h"
 #include "tools/eval/groundtruth.h"
@@ -36,7 +37,7 @@ struct Output {
 };
 
 struct TrajectoryCommand {
-  std::string estimate, groundtruth;
+  std::string estimate, groundtruth, graph;
   double max_difference_s = 0.02, delta = 1;
   DeltaUnit unit = DeltaUnit::kSeconds;
   Output output;
@@ -46,10 +47,12 @@ struct TrajectoryCommand {
     app.add_option("--groundtruth", groundtruth,
                    "TUM trajectory, *.gt.freiburg, or tum:DIR, icl:DIR, 7scenes:DIR")
         ->required();
+    app.add_option("--graph", graph,
+                   "poses.g2o beside the estimate: whether its information is honest over --delta");
     app.add_option("--max-difference", max_difference_s, "largest difference of paired stamps (s)")
         ->capture_default_str()
         ->check(CLI::Range(1e-6, 60.0));
-    app.add_option("--delta", delta, "span of the relative pose error")
+    app.add_option("--delta", delta, "span of the relative pose error and of --graph")
         ->capture_default_str()
         ->check(CLI::PositiveNumber);
     const std::map<std::string, DeltaUnit> units = {
@@ -65,7 +68,13 @@ struct TrajectoryCommand {
         absolute_trajectory_error(truth, poses, static_cast<int64_t>(max_difference_s * 1e6 + 0.5));
     const std::optional<RelativePoseError> rpe = relative_pose_error(truth, poses, delta, unit);
     if (!output.plot_file.empty()) plot_trajectory_error(ate, output.plot_file);
-    output.print(trajectory_text(ate, rpe), trajectory_json(ate, rpe));
+    std::string text = trajectory_text(ate, rpe);
+    std::optional<Consistency> nees;
+    if (!graph.empty()) {
+      nees = consistency(truth, poses, read_g2o(graph), delta, unit);
+      text += consistency_text(nees);
+    }
+    output.print(text, trajectory_json(ate, rpe, nees));
   }
 };
 

@@ -26,10 +26,19 @@ std::string statistics_line(const char* what, const Statistics& s, double factor
               factor * s.mean, factor * s.median, factor * s.p95, factor * s.max, unit);
 }
 
+nlohmann::ordered_json nees_json(const Statistics& s) {
+  return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}};
+}
+
+std::string nees_line(const char* what, const Statistics& s) {
+  return line("%-22s mean %8.3f  median %8.3f  p95 %8.3f\n", what, s.mean, s.median, s.p95);
+}
+
 }  // namespace
 
 nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate,
-                                       const std::optional<RelativePoseError>& rpe) {
+                                       const std::optional<RelativePoseError>& rpe,
+                                       const std::optional<Consistency>& consistency) {
   nlohmann::ordered_json json;
   json["ate"] = statistics_json(ate.translation_m, "m");
   json["ate"]["pairs"] = ate.samples.size();
@@ -38,6 +47,14 @@ nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate,
     json["rpe"] = {{"translation", statistics_json(rpe->translation_m, "m")},
                    {"rotation", statistics_json(rpe->rotation_deg, "deg")},
                    {"pairs", rpe->pairs}};
+  }
+  json["consistency"] = nullptr;
+  if (consistency) {
+    json["consistency"] = {{"pose", nees_json(consistency->pose)},
+                           {"rotation", nees_json(consistency->rotation)},
+                           {"translation", nees_json(consistency->translation)},
+                           {"pairs", consistency->pairs},
+                           {"pairs_left_out", consistency->pairs_left_out}};
   }
   json["coverage"] = {{"estimate_paired_percent", 100 * ate.estimate_paired_share},
                       {"groundtruth_covered_percent", 100 * ate.groundtruth_covered_share}};
@@ -64,6 +81,18 @@ std::string trajectory_text(const AbsoluteTrajectoryError& ate, const std::optio
          line("%-22s %zu pairs, %.1f %% of the estimate's poses; %.1f %% of the ground truth is covered\n",
               "coverage", ate.samples.size(), 100 * ate.estimate_paired_share,
               100 * ate.groundtruth_covered_share);
+}
+
+std::string consistency_text(const std::optional<Consistency>& consistency) {
+  if (!consistency) {
+    return line("%-22s –  (no span of --delta whose edges have information)\n", "consistency");
+  }
+  return nees_line("consistency, NEES/6", consistency->pose) +
+         nees_line("  rotation, NEES/3", consistency->rotation) +
+         nees_line("  translation, NEES/3", consistency->translation) +
+         line("%-22s 1 is honest, above it overconfident; %lld pairs, %lld left out\n", "",
+              static_cast<long long>(consistency->pairs),
+              static_cast<long long>(consistency->pairs_left_out));
 }
 
 std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& options) {

@@ -6,20 +6,24 @@
 #include <optional>
 #include <string>
 
+#include "tools/eval/consistency.h"
 #include "tools/eval/surface_error.h"
 #include "tools/eval/trajectory_error.h"
 
 namespace kt {
 
-/// {"ate": {"rmse_m", ..., "pairs"}, "rpe": {"translation": {...}, "rotation": {...}, "pairs"}, "coverage":
-/// {...}}; "rpe" is null where there is none
+/// {"ate": {"rmse_m", ..., "pairs"}, "rpe": {"translation": {...}, "rotation": {...}, "pairs"},
+/// "consistency": {"pose": {"mean", "median", "p95"}, "rotation": {...}, "translation": {...}, "pairs",
+/// "pairs_left_out"}, "coverage": {...}}; "rpe" and "consistency" are null where there is none
 nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate,
-                                       const std::optional<RelativePoseError>& rpe);
+                                       const std::optional<RelativePoseError>& rpe,
+                                       const std::optional<Consistency>& consistency = {});
 /// {"accuracy": {"mean_m", ..., "share"}, "completeness": share, "completeness_distance": {...}, "f_score",
 /// ...}
 nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErrorOptions& options);
 
 std::string trajectory_text(const AbsoluteTrajectoryError& ate, const std::optional<RelativePoseError>& rpe);
+std::string consistency_text(const std::optional<Consistency>& consistency);
 std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& options);
 
 }  // namespace kt

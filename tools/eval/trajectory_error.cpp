@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "shared/core/check.h"
 
@@ -18,11 +19,20 @@ std::vector<int64_t> stamps_of(const Trajectory& trajectory) {
   return stamps_us;
 }
 
-Trajectory sorted(Trajectory trajectory) {
-  std::stable_sort(trajectory.begin(), trajectory.end(), [](const StampedPose& a, const StampedPose& b) {
-    return a.timestamp_us < b.timestamp_us;
+/// Indices of the poses by stamp.
+std::vector<size_t> order_of(const Trajectory& trajectory) {
+  std::vector<size_t> order(trajectory.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return trajectory[a].timestamp_us < trajectory[b].timestamp_us;
   });
-  return trajectory;
+  return order;
+}
+
+Trajectory sorted(const Trajectory& trajectory, const std::vector<size_t>& order) {
+  Trajectory result;
+  for (const size_t i : order) result.push_back(trajectory[i]);
+  return result;
 }
 
 /// Index of the value closest to `target` in an ascending list; the smaller one of two as close.
@@ -139,15 +149,17 @@ Pose align_poses(const Trajectory& groundtruth, const Trajectory& estimate, int6
   return align(model, data);
 }
 
-std::optional<RelativePoseError> relative_pose_error(const Trajectory& unsorted_groundtruth,
-                                                     const Trajectory& unsorted_estimate, double delta,
-                                                     DeltaUnit unit) {
-  const Trajectory groundtruth = sorted(unsorted_groundtruth), estimate = sorted(unsorted_estimate);
+std::vector<RelativeError> relative_errors(const Trajectory& unsorted_groundtruth,
+                                           const Trajectory& unsorted_estimate, double delta,
+                                           DeltaUnit unit) {
+  const std::vector<size_t> order = order_of(unsorted_estimate);
+  const Trajectory estimate = sorted(unsorted_estimate, order);
+  const Trajectory groundtruth = sorted(unsorted_groundtruth, order_of(unsorted_groundtruth));
   const std::vector<int64_t> groundtruth_us = stamps_of(groundtruth);
   const std::vector<double> positions = positions_along(estimate, unit);
   const double gap_us = max_gap_us(groundtruth_us);
 
-  std::vector<double> translations_m, rotations_deg;
+  std::vector<RelativeError> errors;
   for (size_t i = 0; i < estimate.size() && !groundtruth.empty(); ++i) {
     const size_t j = closest(positions, positions[i] + delta);
     if (j + 1 == estimate.size()) continue;  // the span may reach beyond the end
@@ -160,9 +172,18 @@ std::optional<RelativePoseError> relative_pose_error(const Trajectory& unsorted_
     const Pose T_j_i_estimate = estimate[j].T_odom_camera.inverse() * estimate[i].T_odom_camera;
     const Pose T_j_i_truth =
         groundtruth[truth_j].T_odom_camera.inverse() * groundtruth[truth_i].T_odom_camera;
-    const Pose error = T_j_i_estimate.inverse() * T_j_i_truth;
-    translations_m.push_back(error.translation().norm());
-    rotations_deg.push_back(rotation_angle(error) * 180 / std::numbers::pi);
+    errors.push_back({order[i], order[j], T_j_i_estimate.inverse() * T_j_i_truth});
+  }
+  return errors;
+}
+
+std::optional<RelativePoseError> relative_pose_error(const Trajectory& groundtruth,
+                                                     const Trajectory& estimate, double delta,
+                                                     DeltaUnit unit) {
+  std::vector<double> translations_m, rotations_deg;
+  for (const RelativeError& error : relative_errors(groundtruth, estimate, delta, unit)) {
+    translations_m.push_back(error.E.translation().norm());
+    rotations_deg.push_back(rotation_angle(error.E) * 180 / std::numbers::pi);
   }
   if (translations_m.size() < 2) return std::nullopt;
   return RelativePoseError{summarise(translations_m), summarise(rotations_deg),

@@ -42,15 +42,25 @@ Pose align_poses(const Trajectory& groundtruth, const Trajectory& estimate,
 
 enum class DeltaUnit { kSeconds, kMetres, kFrames };
 
-/// How far the motion over a fixed span is off.
+/// How far the motion over one span is off.
+struct RelativeError {
+  size_t from = 0, to = 0;  ///< indices into the estimate
+  Pose E;                   ///< on the left: T_from_to of the estimate = E * T_from_to of the truth
+};
+
+/// Compares the estimate's motion over `delta` (time, path length or poses), from every pose on, with that of
+/// the closest ground-truth poses. Spans begin in order of time.
+std::vector<RelativeError> relative_errors(const Trajectory& groundtruth, const Trajectory& estimate,
+                                           double delta = 1, DeltaUnit unit = DeltaUnit::kSeconds);
+
+/// Summary of relative_errors.
 struct RelativePoseError {
   Statistics translation_m, rotation_deg;
   int64_t pairs = 0;
 };
 
-/// Compares the estimate's motion over `delta` (time, path length or poses), from every pose on, with that of
-/// the closest ground-truth poses. Every pair counts: the benchmark's tool draws 10000 at random where there
-/// are more. Nothing where fewer than two pairs are left, as where the estimate is shorter than `delta`.
+/// Every pair counts: the benchmark's tool draws 10000 at random where there are more. Nothing where fewer
+/// than two pairs are left, as where the estimate is shorter than `delta`.
 std::optional<RelativePoseError> relative_pose_error(const Trajectory& groundtruth,
                                                      const Trajectory& estimate, double delta = 1,
                                                      DeltaUnit unit = DeltaUnit::kSeconds);

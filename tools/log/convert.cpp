@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "offboard/session/integrity_report.h"
+#include "offboard/session/segments.h"
 #include "onboard/source/frame_source.h"
 #include "shared/core/check.h"
 #include "shared/core/version.h"
@@ -109,16 +110,23 @@ std::string log_to_trajectory(const std::string& from, const std::filesystem::pa
   reader.skip<Keyframe>();
   reader.skip<CompressedFrame>();
   reader.skip<MotionSample>();
-  Trajectory trajectory;
+  Session session;
   while (const std::optional<Message> message = reader.next()) {
-    if (const auto* session = std::get_if<SessionHeader>(&*message)) check_format_version(*session, from);
-    if (const auto* pose = std::get_if<StampedPose>(&*message)) trajectory.push_back(*pose);
+    if (const auto* header = std::get_if<SessionHeader>(&*message)) check_format_version(*header, from);
+    if (const auto* pose = std::get_if<StampedPose>(&*message)) session.trajectory.push_back(*pose);
   }
-  if (trajectory.empty()) throw Error(from + " holds no poses (" + integrity_text(reader.integrity()) + ")");
+  if (session.trajectory.empty())
+    throw Error(from + " holds no poses (" + integrity_text(reader.integrity()) + ")");
+  const std::vector<Segment> segments = take_segments(session);
+  const Segment& main = segments[main_segment(segments)];
   refuse_existing(to, options);
-  write_trajectory(to, trajectory);
-  return to.string() + ": " + count_text(static_cast<int64_t>(trajectory.size()), "poses; log: ") +
-         integrity_text(reader.integrity());
+  write_trajectory(to, main.trajectory);
+  std::string text = to.string() + ": " + count_text(static_cast<int64_t>(main.trajectory.size()), "poses");
+  if (segments.size() > 1) {
+    text += " of segment " + std::to_string(main.number) + ", the one with the most good frames of " +
+            count_text(static_cast<int64_t>(segments.size()), "segments; kintsugi-map writes the others too");
+  }
+  return text + "; log: " + integrity_text(reader.integrity());
 }
 
 // Writes frames as they come; the lists at the end.

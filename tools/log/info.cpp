@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
+#include <set>
 #include <variant>
 
 #include "nlohmann/json.hpp"
@@ -74,6 +75,7 @@ std::string indented(const std::string& text) {
 LogInfo read_info(const std::filesystem::path& path) {
   MessageReader reader(path);
   LogInfo info;
+  std::set<int> segments;
   info.path = path;
   info.file_bytes = reader.size();
   while (std::optional<Message> message = reader.next()) {
@@ -81,11 +83,13 @@ LogInfo read_info(const std::filesystem::path& path) {
       if (!info.session) info.session = std::move(*session);
     } else if (const auto* pose = std::get_if<StampedPose>(&*message)) {
       ++info.poses_by_status[static_cast<size_t>(pose->status)];
+      segments.insert(pose->segment);
     } else if (const auto* slice = std::get_if<CloudSlice>(&*message)) {
       info.slice_vertices += static_cast<int64_t>(slice->vertices.size());
       info.slice_triangles += static_cast<int64_t>(slice->triangles.size());
     }
   }
+  info.segments = static_cast<int64_t>(segments.size());
   info.channels = reader.channels();
   info.integrity = reader.integrity();
   bool first = true;
@@ -109,6 +113,7 @@ std::string info_text(const LogInfo& info) {
     text += format(" %lld %s", static_cast<long long>(info.poses_by_status[static_cast<size_t>(status)]),
                    to_string(status));
   }
+  if (info.segments > 1) text += format(", in %lld segments", static_cast<long long>(info.segments));
   text += format("\nslices       %lld vertices, %lld triangles\n\n",
                  static_cast<long long>(info.slice_vertices), static_cast<long long>(info.slice_triangles));
   text += format("%-18s %9s %9s %10s %8s\n", "channel", "messages", "per s", "size", "missing");
@@ -154,6 +159,7 @@ std::string info_json(const LogInfo& info) {
   for (const TrackingStatus status : kStatuses) {
     json["poses"][to_string(status)] = info.poses_by_status[static_cast<size_t>(status)];
   }
+  json["segments"] = info.segments;
   json["slices"] = {{"vertices", info.slice_vertices}, {"triangles", info.slice_triangles}};
   for (size_t i = 0; i < kChannels.size(); ++i) {
     const auto& channel = info.channels[i];

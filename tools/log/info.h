@@ -20,6 +20,7 @@ struct LogInfo {
   std::array<MessageReader::ChannelCount, kChannels.size()> channels{};
   LogIntegrity integrity;
   std::array<int64_t, 3> poses_by_status{};  ///< indexed by TrackingStatus
+  int64_t segments = 0;                      ///< that have poses
   int64_t slice_vertices = 0, slice_triangles = 0;
   int64_t first_us = 0, last_us = 0;  ///< smallest and largest stamp of all messages
 };

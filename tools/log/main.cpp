@@ -27,7 +27,8 @@ int main(int argc, char** argv) {
       ->required();
   convert
       ->add_option("to", to,
-                   "from a log: FILE.txt for its poses (TUM trajectory), else a folder for its raw frames "
+                   "from a log: FILE.txt for its poses (TUM trajectory, of several "
+                   "segments the one with the most good frames), else a folder for its raw frames "
                    "(TUM layout); "
                    "from any other source: FILE.lcm, a log of raw frames")
       ->required();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/app/make_map.h"
 
+#include <algorithm>
 #include <fstream>
 #include <gtest/gtest.h>
 
@@ -17,13 +18,63 @@
 namespace kt {
 namespace {
 
-void record_mission(const std::filesystem::path& log) {
+void record(const std::filesystem::path& log, const Trajectory& poses,
+            const std::vector<CloudSlice>& slices) {
   LogSink sink(log);
   sink.on_session(sample_session());
-  for (int64_t i = 0; i < 4; ++i) sink.on_pose(sample_stamped_pose(i));
-  sink.on_slice(sample_slice());
+  for (const StampedPose& pose : poses) sink.on_pose(pose);
+  for (const CloudSlice& slice : slices) sink.on_slice(slice);
   sink.on_status(sample_status());
   sink.close();
+}
+
+StampedPose pose_of(int64_t sequence, int segment, int64_t from, TrackingStatus status) {
+  StampedPose pose = sample_stamped_pose(sequence);
+  pose.segment = segment;
+  pose.from_sequence = from;
+  pose.status = status;
+  return pose;
+}
+
+CloudSlice slice_of(int segment, float x_m, bool is_final) {
+  CloudSlice slice = sample_slice();
+  slice.sequence = segment;
+  slice.segment = segment;
+  slice.is_final = is_final;
+  for (SliceVertex& vertex : slice.vertices) vertex.p_odom.x += x_m;
+  return slice;
+}
+
+void record_mission(const std::filesystem::path& log) {
+  Trajectory poses;
+  for (int64_t i = 0; i < 4; ++i)
+    poses.push_back(pose_of(i, 0, std::max<int64_t>(0, i - 1), TrackingStatus::kUncertain));
+  record(log, poses, {slice_of(0, 0, true)});
+}
+
+constexpr TrackingStatus kGood = TrackingStatus::kGood, kLost = TrackingStatus::kLost;
+
+// Segment 0, then 1 with the most good frames, then 2 with none; and back in 0.
+const Trajectory kSegmented = {pose_of(0, 0, 0, kGood), pose_of(1, 0, 0, kGood), pose_of(2, 1, 2, kGood),
+                               pose_of(3, 1, 2, kGood), pose_of(4, 1, 3, kGood), pose_of(5, 1, 1, kLost),
+                               pose_of(6, 2, 6, kLost), pose_of(7, 0, 1, kLost)};
+
+void record_segments(const std::filesystem::path& log) {
+  record(log, kSegmented, {slice_of(0, 0, false), slice_of(1, 50, false), slice_of(2, 0, true)});
+}
+
+// The poses and the slice of one segment as a mission.
+void record_alone(const std::filesystem::path& log, int segment, float x_m) {
+  Trajectory poses;
+  for (const StampedPose& pose : kSegmented) {
+    if (pose.segment == segment) poses.push_back(pose);
+  }
+  record(log, poses, {slice_of(segment, x_m, true)});
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::filesystem::create_directories(path.parent_path());
+  write_bytes(path, {text.begin(), text.end()});
 }
 
 std::string error_of(const MapOptions& options) {
@@ -82,6 +133,65 @@ TEST(MakeMap, EveryRunGivesTheSameFiles) {
     EXPECT_EQ(read_bytes(folder / "1" / file), read_bytes(folder / "2" / file)) << file;
   }
   EXPECT_EQ(report_without_run(folder / "1"), report_without_run(folder / "2"));
+}
+
+TEST(MakeMap, EachSegmentIsMappedAsIfItWereAlone) {
+  const ScratchDir folder;
+  record_segments(folder / "all.lcm");
+  record_alone(folder / "0.lcm", 0, 0);
+  record_alone(folder / "1.lcm", 1, 50);
+  const std::string summary = make_map({folder / "all.lcm", folder / "all"});
+  make_map({folder / "0.lcm", folder / "0"});
+  make_map({folder / "1.lcm", folder / "1"});
+  for (const char* file : {"map.ply", "trajectory.txt", "poses.g2o"}) {
+    EXPECT_EQ(read_bytes(folder / "all" / file), read_bytes(folder / "1" / file)) << file;
+    EXPECT_EQ(read_bytes(folder / "all/segment-0" / file), read_bytes(folder / "0" / file)) << file;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "all/segment-1")) << "it is the main one";
+  EXPECT_FALSE(std::filesystem::exists(folder / "all/segment-0/report.json"));
+  const PoseGraph graph = read_g2o(folder / "all/poses.g2o");
+  EXPECT_EQ(graph.nodes.size(), 4u);
+  EXPECT_EQ(graph.edges.size(), 2u) << "the edge from segment 0 is left out";
+  EXPECT_EQ(read_g2o(folder / "all/segment-0/poses.g2o").edges.size(), 2u);
+
+  const auto report = report_without_run(folder / "all");
+  EXPECT_EQ(report["frames"]["processed"], 8);
+  EXPECT_EQ(report["segments"]["main"], 1);
+  EXPECT_EQ(report["segments"]["list"][0]["folder"], "segment-0");
+  EXPECT_EQ(report["segments"]["list"][1]["folder"], ".");
+  EXPECT_NE(summary.find("3 segments, not joined"), std::string::npos) << summary;
+  EXPECT_NE(summary.find("segment 0: 3 poses, 2 good, 5 vertices, 3 triangles; in segment-0\n"),
+            std::string::npos)
+      << summary;
+}
+
+TEST(MakeMap, ASegmentWithoutGoodFramesAndSurfaceIsListedOnly) {
+  const ScratchDir folder;
+  record(folder / "a.lcm", kSegmented, {slice_of(0, 0, false), slice_of(1, 50, true)});
+  const std::string summary = make_map({folder / "a.lcm", folder / "map"});
+  EXPECT_NE(summary.find("segment 2: 1 poses, 0 good, 0 vertices, 0 triangles; not written\n"),
+            std::string::npos)
+      << summary;
+  EXPECT_FALSE(std::filesystem::exists(folder / "map/segment-2"));
+  EXPECT_TRUE(report_without_run(folder / "map")["segments"]["list"][2]["folder"].is_null());
+}
+
+TEST(MakeMap, SegmentsOfEarlierRunsGoAndForeignFilesStay) {
+  const ScratchDir folder;
+  record_segments(folder / "segments.lcm");
+  record_mission(folder / "one.lcm");
+  const auto output = folder / "map";
+  make_map({folder / "segments.lcm", output});
+  ASSERT_TRUE(std::filesystem::exists(output / "segment-0/map.ply"));
+  for (const char* name : {"segment-7/map.ply", "segment-7/notes.txt", "segment-x/map.ply",
+                           "segment-07/map.ply", "segment-8", "segment-9/map.ply/notes.txt"})
+    write_text(output / name, "mine");
+  make_map({folder / "one.lcm", output});
+  EXPECT_FALSE(std::filesystem::exists(output / "segment-0"));
+  EXPECT_FALSE(std::filesystem::exists(output / "segment-7/map.ply"));
+  for (const char* name : {"segment-7/notes.txt", "segment-x/map.ply", "segment-07/map.ply", "segment-8",
+                           "segment-9/map.ply/notes.txt"})
+    EXPECT_TRUE(std::filesystem::exists(output / name)) << name;
 }
 
 TEST(MakeMap, LogWithoutPosesIsRefused) {

@@ -27,6 +27,7 @@ Session short_session() {
     session.trajectory.push_back(pose);
   }
   session.slices = {sample_slice()};
+  session.slices[0].segment = 0;
   session.loop_closures = {sample_loop(), sample_loop()};
   session.loop_closures[1].accepted = false;
   session.last_status.frames_skipped = 6;
@@ -34,10 +35,19 @@ Session short_session() {
   return session;
 }
 
+std::vector<SegmentMap> maps_of(Session& session) {
+  std::vector<SegmentMap> maps;
+  for (Segment& segment : take_segments(session)) {
+    Mesh map = weld(segment.slices);
+    maps.push_back({std::move(segment), std::move(map), maps.empty() ? "." : ""});
+  }
+  return maps;
+}
+
 TEST(MapReport, HoldsTheFiguresOfTheSession) {
-  const Session session = short_session();
-  const Mesh map = weld(session.slices);
-  const auto json = nlohmann::json::parse(map_report(session, map, {"a.lcm", {{"load", 1.5}}, 1 << 20}));
+  Session session = short_session();
+  const std::vector<SegmentMap> maps = maps_of(session);
+  const auto json = nlohmann::json::parse(map_report(session, maps, 0, {"a.lcm", {{"load", 1.5}}, 1 << 20}));
   EXPECT_EQ(json["frames"]["processed"], 3);
   EXPECT_EQ(json["frames"]["good"], 2);
   EXPECT_EQ(json["frames"]["uncertain"], 0);
@@ -51,17 +61,37 @@ TEST(MapReport, HoldsTheFiguresOfTheSession) {
   EXPECT_EQ(json["loop_closures"]["candidates"], 2);
   EXPECT_EQ(json["loop_closures"]["accepted"], 1);
   EXPECT_EQ(json["map"]["triangles"], 3);
-  EXPECT_EQ(json["map"]["digest"], mesh_digest(map).hex());
+  EXPECT_EQ(json["map"]["digest"], mesh_digest(maps[0].map).hex());
   EXPECT_FLOAT_EQ(json["map"]["high_m"][0], 0.4f);
   EXPECT_EQ(json["run"]["steps_s"]["load"], 1.5);
   EXPECT_EQ(json["run"]["peak_memory_bytes"], 1 << 20);
 }
 
+TEST(MapReport, ListsSegmentsAndTellsMissionFromMainSegment) {
+  Session session = short_session();
+  session.trajectory[1].segment = 4;
+  const std::vector<SegmentMap> maps = maps_of(session);
+  const auto json = nlohmann::json::parse(map_report(session, maps, 0, {}));
+  EXPECT_EQ(json["frames"]["processed"], 3) << "of the mission";
+  EXPECT_EQ(json["frames"]["lost"], 1);
+  EXPECT_DOUBLE_EQ(json["trajectory"]["path_length_m"], 7.0) << "of the main segment";
+  const auto& segments = json["segments"];
+  EXPECT_EQ(segments["joined"], false);
+  EXPECT_EQ(segments["main"], 0);
+  ASSERT_EQ(segments["list"].size(), 2u);
+  EXPECT_EQ(segments["list"][0],
+            nlohmann::json::parse(R"({"number": 0, "frames": 2, "good": 2, "first_us": 0, "last_us": 1000000,
+              "vertices": 5, "triangles": 3, "path_length_m": 7.0, "folder": "."})"));
+  EXPECT_EQ(segments["list"][1]["number"], 4);
+  EXPECT_EQ(segments["list"][1]["good"], 0);
+  EXPECT_TRUE(segments["list"][1]["folder"].is_null());
+}
+
 TEST(MapReport, OnlyRunDependsOnTheRun) {
-  const Session session = short_session();
-  const Mesh map = weld(session.slices);
-  auto first = nlohmann::json::parse(map_report(session, map, {"a.lcm", {{"load", 1.5}}, 1}));
-  auto second = nlohmann::json::parse(map_report(session, map, {"b.lcm", {{"load", 2.5}}, 2}));
+  Session session = short_session();
+  const std::vector<SegmentMap> maps = maps_of(session);
+  auto first = nlohmann::json::parse(map_report(session, maps, 0, {"a.lcm", {{"load", 1.5}}, 1}));
+  auto second = nlohmann::json::parse(map_report(session, maps, 0, {"b.lcm", {{"load", 2.5}}, 2}));
   EXPECT_NE(first, second);
   first.erase("run");
   second.erase("run");
@@ -71,7 +101,7 @@ TEST(MapReport, OnlyRunDependsOnTheRun) {
 TEST(MapReport, EmptyMapAndForeignBytesAreWelcome) {
   Session session;
   session.header.program_version = "\xff\xfe";
-  const auto json = nlohmann::json::parse(map_report(session, {}, {}));
+  const auto json = nlohmann::json::parse(map_report(session, std::vector<SegmentMap>(1), 0, {}));
   EXPECT_EQ(json["map"]["vertices"], 0);
   EXPECT_EQ(json["trajectory"]["path_length_m"], 0.0);
 }

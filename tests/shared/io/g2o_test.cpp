@@ -82,6 +82,11 @@ TEST(G2o, NamesTheBadLine) {
   EXPECT_THAT(error("VERTEX_SE3:QUAT 1 0 0 0 0 0 0 3\n"), HasSubstr("unit length"));
   EXPECT_THAT(error("VERTEX_SE2 1 0 0 0\n"), HasSubstr("unknown tag 'VERTEX_SE2'"));
   EXPECT_THAT(error("FIX 7\n"), HasSubstr("node 7"));
+  EXPECT_THAT(error("VERTEX_SE3:QUAT 1.5 0 0 0 0 0 0 1\n"), HasSubstr("line 2: '1.5' is not an integer"));
+  EXPECT_THAT(error("VERTEX_SE3:QUAT 1 0 nan 0 0 0 0 1\n"), HasSubstr("'nan' is not a finite number"));
+  std::string bad_weight = edge;
+  bad_weight.replace(bad_weight.rfind('1'), 1, "1e999");
+  EXPECT_THAT(error("EDGE_SE3:QUAT 0 0 " + bad_weight), HasSubstr("'1e999' is not a finite number"));
 }
 
 TEST(G2o, ReadsPublicPoseGraphs) {

@@ -19,9 +19,12 @@ benchmark.__loader__.exec_module(benchmark)
 TIMES = {"p50_ms": 60.0, "p95_ms": 70.0, "max_ms": 90.0, "count": 600}
 GOOD = {
     "collect": {"frames": 601, "tracked_share": 1.0, "process": TIMES, "stages": {"track": TIMES}, "peak_memory_mb": 300.4},
-    "trajectory": {"ate": {"rmse_m": 0.004}, "rpe": {"translation": {"rmse_m": 0.002}, "rotation": {"rmse_deg": 0.1}}},
+    "trajectory": {"ate": {"rmse_m": 0.004}, "rpe": {"translation": {"rmse_m": 0.002}, "rotation": {"rmse_deg": 0.1}},
+                   "consistency": {"pose": {"mean": 1.234}}},
     "surface": {"accuracy": {"mean_m": 0.002}, "completeness": 0.97, "f_score": 0.98},
 }
+
+PROMISED = list(dict.fromkeys(promise[0] for promise in benchmark.PROMISES))
 
 
 def sequence(name, **changes):
@@ -30,10 +33,10 @@ def sequence(name, **changes):
 
 class BenchmarkTest(unittest.TestCase):
     def verdicts(self, sequences, cores=2):
-        return {(row[0], row[1]): row[4] for row in benchmark.check_promises(sequences, cores)}
+        return {tuple(row[:3]): row[4] for row in benchmark.check_promises(sequences, cores)}
 
     def test_promises_kept(self):
-        verdicts = self.verdicts([sequence("room"), sequence("redkitchen"), sequence("fr1_xyz_260"), sequence("other")])
+        verdicts = self.verdicts([sequence(name) for name in [*PROMISED, "other"]])
         self.assertEqual(len(verdicts), len(benchmark.PROMISES))
         self.assertEqual(set(verdicts.values()), {"kept"})
 
@@ -41,16 +44,19 @@ class BenchmarkTest(unittest.TestCase):
         bad = {"trajectory": {"ate": {"rmse_m": 0.0281}, "rpe": None},
                "surface": {"accuracy": {"mean_m": 0.009}, "completeness": 0.94, "f_score": 0.9},
                "collect": GOOD["collect"] | {"tracked_share": 0.999, "process": TIMES | {"p50_ms": 81}}}
-        verdicts = self.verdicts([sequence(name, **bad) for name in ("room", "redkitchen", "fr1_xyz_260")])
-        self.assertEqual(len(verdicts), len(benchmark.PROMISES))
-        self.assertEqual(set(verdicts.values()), {"**broken**"})
+        broken = set()
+        for nees in (0.32, 3.1):  # too low and too high at once is not possible
+            bad["trajectory"]["consistency"] = {"pose": {"mean": nees}}
+            verdicts = self.verdicts([sequence(name, **bad) for name in PROMISED])
+            broken |= {promise for promise, verdict in verdicts.items() if verdict == "**broken**"}
+        self.assertEqual(len(broken), len(benchmark.PROMISES))
 
     def test_a_promised_figure_that_is_missing_breaks_the_promise(self):
         verdicts = self.verdicts([sequence("room", surface=None)])
-        self.assertEqual(verdicts["room", "accuracy mm"], "**broken**")
+        self.assertEqual(verdicts["room", "accuracy mm", "≤ 8"], "**broken**")
 
     def test_speed_is_promised_on_two_cores(self):
-        self.assertNotIn(("room", "median frame ms"), self.verdicts([sequence("room")], cores=1))
+        self.assertNotIn(("room", "median frame ms", "≤ 80"), self.verdicts([sequence("room")], cores=1))
 
     def test_a_renamed_key_is_an_error_but_null_is_a_dash(self):
         renamed = copy.deepcopy(GOOD)
@@ -59,14 +65,17 @@ class BenchmarkTest(unittest.TestCase):
             benchmark.figures(renamed)
         short = copy.deepcopy(GOOD)
         short["trajectory"]["rpe"] = None
+        short["trajectory"]["consistency"] = None
         self.assertEqual(benchmark.figures(short)["trajectory"]["RPE mm"], benchmark.DASH)
+        self.assertEqual(benchmark.figures(short)["trajectory"]["NEES"], benchmark.DASH)
         self.assertEqual(benchmark.figures(short)["trajectory"]["ATE mm"], "4.0")
 
     def test_the_page(self):
         page = benchmark.document([sequence("room"), sequence("a", surface=None, trajectory=None)],
                                   benchmark.check_promises([sequence("room")], 2), "1.2", ["--threads", "2"])
         self.assertIn("| room | completeness % | ≥ 95 | 97.0 | kept |", page)
-        self.assertIn("| a | 601 | 100.0 | – | – | – |", page)
+        self.assertIn("| room | NEES | ≥ 0.333 | 1.23 | kept |", page)
+        self.assertIn("| a | 601 | 100.0 | – | – | – | – |", page)
         self.assertIn("| sequence | p50 | p95 | max | track | peak MiB |", page)
         self.assertIn("| room | 60.0 | 70.0 | 90.0 | 60.0 | 300 |", page)
 

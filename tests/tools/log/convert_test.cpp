@@ -187,6 +187,26 @@ TEST(Convert, PosesOfAMissionBecomeATrajectory) {
   }
 }
 
+TEST(Convert, OfSeveralSegmentsTheMainOneIsWrittenAndNamed) {
+  const ScratchDir scratch;
+  LogSink sink(scratch / "mission.lcm");
+  sink.on_session(sample_session());
+  for (int64_t i = 0; i < 5; ++i) {
+    StampedPose pose = sample_stamped_pose(i);
+    pose.segment = i < 2 ? 0 : 1;
+    pose.status = TrackingStatus::kGood;
+    sink.on_pose(pose);
+  }
+  sink.close();
+  const std::string done = convert((scratch / "mission.lcm").string(), scratch / "trajectory.txt", {});
+  EXPECT_NE(done.find("3 poses of segment 1, the one with the most good frames of 2 segments"),
+            std::string::npos)
+      << done;
+  const Trajectory trajectory = read_trajectory(scratch / "trajectory.txt");
+  ASSERT_EQ(trajectory.size(), 3u);
+  EXPECT_EQ(trajectory[0].timestamp_us, sample_stamped_pose(2).timestamp_us);
+}
+
 TEST(Convert, RefusesWhatTheLogDoesNotHold) {
   const ScratchDir scratch;
   LogSink sink(scratch / "a.lcm");

@@ -21,6 +21,7 @@ void record_mission(const std::filesystem::path& log) {
     StampedPose pose = sample_stamped_pose(i);
     pose.timestamp_us = sample_session().timestamp_us + i * 1'000'000 / 30;
     if (i < 20) pose.status = TrackingStatus::kGood;
+    pose.segment = i < 5 || i > 25 ? 0 : 1;  // back in the first
     sink.on_pose(pose);
   }
   CloudSlice slice = sample_slice();
@@ -42,6 +43,7 @@ TEST(LogInfo, CountsRatesAndPoses) {
   expect_equal(*info.session, sample_session());
   EXPECT_EQ(info.file_bytes, static_cast<int64_t>(std::filesystem::file_size(folder / "a.lcm")));
   EXPECT_EQ(info.poses_by_status, (std::array<int64_t, 3>{20, 11, 0}));
+  EXPECT_EQ(info.segments, 2);
   EXPECT_EQ(info.slice_vertices, 5);
   EXPECT_EQ(info.slice_triangles, 3);
   EXPECT_EQ(info.last_us - info.first_us, 1'000'000);
@@ -53,11 +55,12 @@ TEST(LogInfo, CountsRatesAndPoses) {
   EXPECT_EQ(json["channels"]["KINTSUGI_MOTION"]["messages"], 3);
   EXPECT_DOUBLE_EQ(json["channels"]["KINTSUGI_MOTION"]["rate_hz"], 2.0);
   EXPECT_EQ(json["poses"]["uncertain"], 11);
+  EXPECT_EQ(json["segments"], 2);
   EXPECT_EQ(json["session"]["configuration_yaml"], sample_session().configuration_yaml);
   EXPECT_EQ(json["integrity"]["sound"], true);
 
   const std::string text = info_text(info);
-  EXPECT_NE(text.find("20 good 11 uncertain 0 lost"), std::string::npos) << text;
+  EXPECT_NE(text.find("20 good 11 uncertain 0 lost, in 2 segments\n"), std::string::npos) << text;
   EXPECT_NE(text.find("36 events, no damage"), std::string::npos) << text;
   EXPECT_NE(text.find("KINTSUGI_MOTION            3      2.00"), std::string::npos) << text;
   EXPECT_NE(text.find("voxel_size_m: 0.01"), std::string::npos) << text;

@@ -1,0 +1,79 @@
+// Writes and removes the files of segments.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "offboard/app/segment_folders.h"
+
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "offboard/report/odometry_graph.h"
+#include "shared/core/check.h"
+#include "shared/io/g2o.h"
+#include "shared/io/ply.h"
+#include "shared/io/text_lines.h"
+#include "shared/io/trajectory_file.h"
+
+namespace kt {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kPrefix = "segment-";
+constexpr const char* kMap = "map.ply";
+constexpr const char* kTrajectory = "trajectory.txt";
+constexpr const char* kPoses = "poses.g2o";
+
+bool is_segment_folder(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
+  std::error_code ignored;
+  if (!name.starts_with(kPrefix) || !entry.is_directory(ignored)) return false;
+  const std::optional<int64_t> number = parse_integer(std::string_view(name).substr(kPrefix.size()));
+  return number && *number >= 0 && name == std::string(kPrefix) + std::to_string(*number);
+}
+
+[[noreturn]] void fail(const char* what, const fs::path& path, const std::error_code& error) {
+  throw Error(std::string("cannot ") + what + " " + path.string() + ": " +
+              (error ? error.message() : std::string("a file of that name stands there")));
+}
+
+}  // namespace
+
+std::string segment_folder(int number) { return std::string(kPrefix) + std::to_string(number); }
+
+void create_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || !fs::is_directory(folder)) fail("create the folder", folder, error);
+}
+
+void write_segment(const fs::path& output, const SegmentMap& map,
+                   std::span<const LoopClosure> loop_closures) {
+  const fs::path folder = map.folder == "." ? output : output / map.folder;
+  create_folder(folder);
+  write_ply(folder / kMap, map.map);
+  write_trajectory(folder / kTrajectory, map.segment.trajectory);
+  write_g2o(folder / kPoses, odometry_graph(map.segment.trajectory, loop_closures));
+}
+
+void remove_segment_folders(const fs::path& output) {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (fs::directory_iterator entry(output, error), end; !error && entry != end; entry.increment(error)) {
+    if (is_segment_folder(*entry)) folders.push_back(entry->path());
+  }
+  if (error) fail("read the folder", output, error);
+  for (const fs::path& folder : folders) {
+    for (const char* name : {kMap, kTrajectory, kPoses}) {
+      std::error_code ignored;
+      if (fs::is_directory(fs::symlink_status(folder / name, ignored))) continue;  // not ours
+      fs::remove(folder / name, error);
+      if (error) fail("remove", folder / name, error);
+    }
+    // A link to a folder is somebody's choice, and a folder that holds more is somebody's too.
+    std::error_code ignored;
+    if (!fs::is_symlink(fs::symlink_status(folder, ignored))) fs::remove(folder, ignored);
+  }
+}
+
+}  // namespace kt

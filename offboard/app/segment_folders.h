@@ -1,0 +1,28 @@
+// The files of one segment, and the folders of all but the main one.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "offboard/report/map_report.h"
+#include "shared/types/loop_closure.h"
+
+namespace kt {
+
+/// "segment-3"
+std::string segment_folder(int number);
+
+/// Makes the folder where it is missing; throws kt::Error where it cannot.
+void create_folder(const std::filesystem::path& folder);
+
+/// Writes map.ply, trajectory.txt and poses.g2o to map.folder within `output`, replacing what stands there.
+void write_segment(const std::filesystem::path& output, const SegmentMap& map,
+                   std::span<const LoopClosure> loop_closures);
+
+/// Removes those three files from all segment-N in `output`, and the folders that are empty then. What
+/// somebody else put there stays. Throws kt::Error where a file cannot be removed.
+void remove_segment_folders(const std::filesystem::path& output);
+
+}  // namespace kt

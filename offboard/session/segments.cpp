@@ -1,0 +1,42 @@
+// Sorts poses and slices into segments.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "offboard/session/segments.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "shared/core/check.h"
+
+namespace kt {
+
+int64_t Segment::good_frames() const {
+  return std::count_if(trajectory.begin(), trajectory.end(),
+                       [](const StampedPose& pose) { return pose.status == TrackingStatus::kGood; });
+}
+
+std::vector<Segment> take_segments(Session& session) {
+  std::map<int, Segment> by_number;
+  for (StampedPose& pose : session.trajectory) by_number[pose.segment].trajectory.push_back(std::move(pose));
+  for (CloudSlice& slice : session.slices) by_number[slice.segment].slices.push_back(std::move(slice));
+  session.trajectory.clear();
+  session.slices.clear();
+  std::vector<Segment> segments;
+  for (auto& [number, segment] : by_number) {
+    segment.number = number;
+    segments.push_back(std::move(segment));
+  }
+  return segments;
+}
+
+size_t main_segment(std::span<const Segment> segments) {
+  KT_CHECK(!segments.empty());
+  const auto key = [](const Segment& segment) {
+    return std::pair(segment.good_frames(), !segment.trajectory.empty());
+  };
+  const auto main = std::max_element(segments.begin(), segments.end(),
+                                     [&key](const auto& a, const auto& b) { return key(a) < key(b); });
+  return static_cast<size_t>(main - segments.begin());
+}
+
+}  // namespace kt

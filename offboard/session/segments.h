@@ -1,0 +1,32 @@
+// A mission's segments, each with its own poses and slices.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "shared/types/session.h"
+
+namespace kt {
+
+/// A stretch of the mission with an odom frame of its own. Nothing is known of how segments stand to each
+/// other; that slices of different ones share an EdgeKey means nothing.
+struct Segment {
+  int number = 0;                  ///< as StampedPose::segment
+  Trajectory trajectory;           ///< in order; empty where a damaged log has lost it
+  std::vector<CloudSlice> slices;  ///< in order
+
+  int64_t good_frames() const;
+};
+
+/// Moves the poses and slices out of `session` into its segments, which ascend by number. Numbers need not
+/// ascend along the mission: the camera may come back into an earlier segment.
+std::vector<Segment> take_segments(Session& session);
+
+/// Index of the one with the most good frames, the earliest of equals; one with poses before one without.
+/// Needs at least one segment.
+size_t main_segment(std::span<const Segment> segments);
+
+}  // namespace kt
