@@ -28,6 +28,7 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   const auto stopped = [&] { return options.stop && options.stop->load(); };
   MissionSummary summary;
   Collector collector(options.device, source.calibration(), options.config, sink);
+  TrackingStretches stretches;
   FrameQueue frames(source);
   std::exception_ptr failure;  // of the source: what was mapped before it goes into the log first
   const auto next = [&]() -> SourceItem {
@@ -45,10 +46,11 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
       continue;
     }
     if (collector.status().frames == 0) {
+      summary.first_us = item.frame.timestamp_us;
       sink.on_session({SessionHeader::kFormatVersion, item.frame.timestamp_us, kProgramVersion,
                        config_to_yaml(options.config), source.calibration()});
     }
-    collector.process(item.frame);
+    stretches.add(collector.process(item.frame).pose);
     if (options.record_raw) sink.on_raw_frame(std::move(item.frame));
     if (options.on_progress) options.on_progress(collector.status(), source.frame_count());
   }
@@ -62,6 +64,9 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   sink.close();
   if (failure) std::rethrow_exception(failure);
   summary.status = collector.status();
+  stretches.finish();
+  summary.stretches = stretches.worst();
+  summary.stretch_count = stretches.count();
   summary.stage_times = collector.clock().times();
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary.peak_memory_mib = peak_memory_mib();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "onboard/app/collector.h"
+#include "onboard/app/tracking_stretches.h"
 #include "onboard/source/frame_source.h"
 
 namespace kt {
@@ -17,7 +18,10 @@ namespace kt {
 /// What a mission came to, for the report at its end.
 struct MissionSummary {
   MissionStatus status;
-  std::vector<std::string> skip_reasons;  ///< of the first few skipped frames
+  std::vector<std::string> skip_reasons;   ///< of the first few skipped frames
+  int64_t first_us = 0;                    ///< stamp of the first frame
+  std::vector<TrackingStretch> stretches;  ///< the worst ones, in order of time
+  int64_t stretch_count = 0;               ///< with those that are not kept
   std::map<std::string, StageTimes> stage_times;
   double seconds = 0;  ///< wall time
   double peak_memory_mib = 0;
