@@ -262,6 +262,18 @@ class VerdictTest(unittest.TestCase):
         turned_far = turned(306, (0, 1, 0), truth.translation)
         self.assertEqual(verdict_of(300, T_world_camera=turned_far).wrong, [self.frames[300].stamp_us])
 
+    def test_what_the_unharmed_recording_is_off_by_is_allowed(self):
+        # The truth bends away by 30 cm behind frame 200: of the poses none is to blame.
+        bent = [replace(pose, T_odom_camera=T_ODOM_WORLD @ replace(truth, translation=(truth.translation[0], 0.3 * (i > 200), 0)))
+                for i, (pose, truth) in enumerate((logged(frame), frame.truth) for frame in self.frames)]
+        unharmed = robustness.judge(self.variant, bent)
+        self.assertEqual(len(unharmed.wrong), 199)
+        self.assertEqual(robustness.judge(self.variant, bent, unharmed.errors).wrong, [])
+        truth = truth_at(350)
+        worse = [*bent]
+        worse[350] = logged(self.frames[350], replace(truth, translation=(truth.translation[0], 0.5, 0)))
+        self.assertEqual(robustness.judge(self.variant, worse, unharmed.errors).wrong, [self.frames[350].stamp_us])
+
     def test_each_segment_stands_by_itself(self):
         shift = turned(77, (0, 0, 1), (9, 9, 9))
         poses = [logged(frame) if i < 200 else replace(logged(frame, segment=1), T_odom_camera=shift @ frame.truth)
@@ -311,7 +323,7 @@ class ProgramTest(unittest.TestCase):
         done = self.run_tool("--variants", "reversed", "low-rate")
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertEqual(done.stderr.splitlines()[-1],
-                         "tools/robustness: recording, low-rate failed; recording, reversed failed")
+                         "tools/robustness: recording, unharmed failed; recording, low-rate failed; recording, reversed failed")
         self.assertIn("| recording | variant |", done.stdout)
 
     def test_wrong_use_is_one_line(self):
