@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/app/collector.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace kt {
@@ -9,6 +10,12 @@ namespace {
 
 // For whoever watches; a change of the tracking is told at once.
 constexpr int64_t kFramesPerStatus = 30;
+
+bool is_fallback(const StampedPose& pose) {
+  return pose.status != TrackingStatus::kGood || pose.source == PoseSource::kFeatures ||
+         pose.source == PoseSource::kPairwise || pose.source == PoseSource::kRelocalised ||
+         pose.source == PoseSource::kPrior;
+}
 
 }  // namespace
 
@@ -20,8 +27,8 @@ Collector::Collector(const exec::Device& device, const Calibration& calibration,
       volume_(device, calibration.depth.pinhole(), config.volume) {}
 
 FrameReport Collector::process(const RgbdFrame& frame) {
-  return clock_.measure("frame", [&] {
-    FrameReport report;
+  FrameReport report;
+  clock_.measure("frame", [&] {
     const FrameMaps& maps =
         clock_.measure("preprocess", [&]() -> const FrameMaps& { return preprocessor_.process(frame); });
     const auto predict = [this](const Pose& T) -> const ModelView& {
@@ -31,7 +38,7 @@ FrameReport Collector::process(const RgbdFrame& frame) {
         clock_.measure("track", [&] { return odometry_.track(maps, model_, predict, frame.sequence); });
     report.track = odometry_.last_result();
     publish_pose(report.pose);
-    if (report.pose.status != TrackingStatus::kGood) return report;  // doubtful frames are never fused
+    if (report.pose.status != TrackingStatus::kGood) return;  // doubtful frames are never fused
 
     if (report.pose.segment != segment_) enter_segment(report.pose);
     const Pose& T_odom_camera = report.pose.T_odom_camera;
@@ -44,8 +51,9 @@ FrameReport Collector::process(const RgbdFrame& frame) {
     T_odom_fused_ = T_odom_camera;
     model_ = clock_.measure("raycast", [&] { return &volume_.raycast(T_odom_camera); });
     clock_.measure("remember", [&] { odometry_.remember(maps, *model_); });
-    return report;
   });
+  if (is_fallback(report.pose)) clock_.add("frame_fallback", clock_.last_ms());
+  return report;
 }
 
 // What the volume holds stands in another odom frame.
@@ -66,8 +74,16 @@ void Collector::publish_pose(const StampedPose& pose) {
   ++(pose.status == TrackingStatus::kGood        ? status_.frames_good
      : pose.status == TrackingStatus::kUncertain ? status_.frames_uncertain
                                                  : status_.frames_lost);
+  ++status_.frames_by_source.at(static_cast<size_t>(pose.source));
+  const bool changed = pose.status != status_.tracking || pose.segment != status_.segment ||
+                       pose.source == PoseSource::kRelocalised;
   status_.timestamp_us = pose.timestamp_us;
-  const bool changed = std::exchange(status_.tracking, pose.status) != pose.status;
+  status_.segment = pose.segment;
+  if (pose.status == TrackingStatus::kGood) status_.segments = std::max(status_.segments, pose.segment + 1);
+  status_.tracking = pose.status;
+  status_.source = pose.source;
+  status_.cause = pose.cause;
+  status_.inlier_share = pose.quality.inlier_share;
   sink_.on_pose(pose);
   if (changed || status_.frames % kFramesPerStatus == 0) publish_status();
 }

@@ -39,6 +39,8 @@ class Collector {
   void count_skipped_frame() { ++status_.frames_skipped; }
 
   const MissionStatus& status() const { return status_; }
+  /// Of every stage, of the whole frame as "frame", and again as "frame_fallback" of those frames that the
+  /// model and the predicted motion alone did not place.
   const StageClock& clock() const { return clock_; }
   void reset_clock() { clock_ = {}; }
 

@@ -46,19 +46,13 @@ kt::CollectorConfig read_config(const Options& options) {
   return config;
 }
 
-// Of frames: "frame 12 of 600  14.5 Hz  good  2 slices  0 skipped".
 class FrameProgress {
  public:
   void show(const kt::MissionStatus& status, int64_t frame_count) {
     const int64_t frames = status.frames + status.frames_skipped;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    char text[160];
-    std::snprintf(
-        text, sizeof text, "frame %lld%s  %.1f Hz  %s  %lld slices  %lld skipped",
-        static_cast<long long>(frames), frame_count > 0 ? (" of " + std::to_string(frame_count)).c_str() : "",
-        static_cast<double>(status.frames) / std::max(seconds, 1e-3), kt::to_string(status.tracking),
-        static_cast<long long>(status.slices), static_cast<long long>(status.frames_skipped));
-    line_.show(frame_count > 0 ? static_cast<double>(frames) / static_cast<double>(frame_count) : -1, text);
+    line_.show(frame_count > 0 ? static_cast<double>(frames) / static_cast<double>(frame_count) : -1,
+               kt::mission_progress_text(status, frame_count, seconds));
   }
   void end() { line_.end(); }
 

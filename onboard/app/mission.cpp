@@ -29,6 +29,7 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   const auto stopped = [&] { return options.stop && options.stop->load(); };
   MissionSummary summary;
   Collector collector(options.device, source.calibration(), options.config, sink);
+  TrackingStretches stretches;
   FrameQueue frames(source);
   std::vector<MotionSample> early_samples;  // wait for the session, the first event of a log
   const auto keep_reason = [](std::vector<std::string>& reasons, const std::string& reason) {
@@ -72,11 +73,12 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
       continue;
     }
     if (collector.status().frames == 0) {
+      summary.first_us = item.frame.timestamp_us;
       sink.on_session({SessionHeader::kFormatVersion, item.frame.timestamp_us, kProgramVersion,
                        config_to_yaml(options.config), source.calibration()});
       for (const MotionSample& sample : std::exchange(early_samples, {})) sink.on_motion_sample(sample);
     }
-    collector.process(item.frame);
+    stretches.add(collector.process(item.frame).pose);
     if (options.record_raw) sink.on_raw_frame(std::move(item.frame));
     if (options.on_progress) options.on_progress(collector.status(), source.frame_count());
   }
@@ -90,6 +92,9 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   sink.close();
   if (failure) std::rethrow_exception(failure);
   summary.status = collector.status();
+  stretches.finish();
+  summary.stretches = stretches.worst();
+  summary.stretch_count = stretches.count();
   summary.stage_times = collector.clock().times();
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary.peak_memory_mib = peak_memory_mib();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "onboard/app/collector.h"
+#include "onboard/app/tracking_stretches.h"
 #include "onboard/source/frame_source.h"
 
 namespace kt {
@@ -21,6 +22,9 @@ struct MissionSummary {
   int64_t motion_samples = 0;             ///< of other sensors, handed to the tracking
   int64_t motion_samples_refused = 0;
   std::vector<std::string> motion_refusals;  ///< reasons of the first few
+  int64_t first_us = 0;                      ///< stamp of the first frame
+  std::vector<TrackingStretch> stretches;    ///< the worst ones, in order of time
+  int64_t stretch_count = 0;                 ///< with those that are not kept
   std::map<std::string, StageTimes> stage_times;
   double seconds = 0;  ///< wall time
   double peak_memory_mib = 0;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/app/mission_report.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 
@@ -23,12 +24,73 @@ std::string format(const char* pattern, Values... values) {
   return line;
 }
 
+// "990 model, 6 features"
+std::string sources_text(const MissionStatus& status) {
+  std::string text;
+  for (size_t i = 0; i < status.frames_by_source.size(); ++i) {
+    if (status.frames_by_source[i] == 0) continue;
+    text += (text.empty() ? "" : ", ") + std::to_string(status.frames_by_source[i]) + " " +
+            to_string(static_cast<PoseSource>(i));
+  }
+  return text;
+}
+
+// "12.3 s to 13.4 s (frames 370 to 402): 20 lost, 13 uncertain, few inliers; found again by features"
+std::string stretch_text(const TrackingStretch& stretch, const MissionSummary& summary) {
+  const auto seconds = [](int64_t us) { return static_cast<double>(us) * 1e-6; };
+  std::string text =
+      format("%.1f s to %.1f s (frames %lld to %lld): ", seconds(stretch.first_us - summary.first_us),
+             seconds(stretch.last_us - summary.first_us), static_cast<long long>(stretch.first_sequence),
+             static_cast<long long>(stretch.last_sequence));
+  std::string what;
+  const auto add = [&what](const std::string& part) { what += (what.empty() ? "" : ", ") + part; };
+  if (stretch.gap_us > 0) add(format("no frames for %.1f s", seconds(stretch.gap_us)));
+  if (stretch.lost > 0) add(std::to_string(stretch.lost) + " lost");
+  if (stretch.uncertain > 0) add(std::to_string(stretch.uncertain) + " uncertain");
+  if (stretch.cause != TrackingCause::kNone) add(to_string(stretch.cause));
+  text += what + "; " + to_string(stretch.end);
+  if (stretch.end == TrackingStretch::End::kFound && stretch.found_by != PoseSource::kNone)
+    text += std::string(" by ") + to_string(stretch.found_by);
+  return text;
+}
+
+nlohmann::ordered_json to_json(const TrackingStretch& stretch) {
+  using Json = nlohmann::ordered_json;
+  const bool is_found = stretch.end == TrackingStretch::End::kFound;
+  return {{"first_frame", stretch.first_sequence},
+          {"last_frame", stretch.last_sequence},
+          {"first_timestamp_us", stretch.first_us},
+          {"last_timestamp_us", stretch.last_us},
+          {"lost", stretch.lost},
+          {"uncertain", stretch.uncertain},
+          {"gap_us", stretch.gap_us},
+          {"cause", stretch.is_gap ? "gap" : to_string(stretch.cause)},
+          {"lowest_inlier_share", stretch.lowest_inlier_share},
+          {"end", to_string(stretch.end)},
+          {"found_by", is_found ? Json(to_string(stretch.found_by)) : Json(nullptr)}};
+}
+
 nlohmann::ordered_json to_json(const StageTimes& times) {
   return {
       {"p50_ms", times.p50_ms}, {"p95_ms", times.p95_ms}, {"max_ms", times.max_ms}, {"count", times.count}};
 }
 
 }  // namespace
+
+std::string mission_progress_text(const MissionStatus& status, int64_t frame_count, double seconds) {
+  std::string why;
+  const auto add = [&why](const std::string& part) { why += (why.empty() ? "" : ", ") + part; };
+  if (status.source != PoseSource::kNone && status.source != PoseSource::kModel)
+    add(to_string(status.source));
+  if (status.cause != TrackingCause::kNone) add(to_string(status.cause));
+  if (status.inlier_share > 0) add(format("%.0f %%", 100 * status.inlier_share));
+  return format("frame %lld%s  %.1f Hz  %s%s  %lld slices  %lld skipped",
+                static_cast<long long>(status.frames + status.frames_skipped),
+                frame_count > 0 ? (" of " + std::to_string(frame_count)).c_str() : "",
+                static_cast<double>(status.frames) / std::max(seconds, 1e-3), to_string(status.tracking),
+                why.empty() ? "" : (" (" + why + ")").c_str(), static_cast<long long>(status.slices),
+                static_cast<long long>(status.frames_skipped));
+}
 
 std::string mission_report_text(const MissionSummary& summary) {
   const MissionStatus& s = summary.status;
@@ -43,11 +105,20 @@ std::string mission_report_text(const MissionSummary& summary) {
                    static_cast<long long>(summary.motion_samples_refused));
   }
   for (const std::string& reason : summary.motion_refusals) text += "  refused: " + reason + "\n";
+  if (s.frames > 0) text += "poses     " + sources_text(s) + "\n";
+  if (s.segments > 1)
+    text += format("segments  %d, counted from 0; at the end in segment %d\n", s.segments, s.segment);
+  if (!summary.stretches.empty()) text += "worst stretches of the tracking\n";
+  for (const TrackingStretch& stretch : summary.stretches)
+    text += "  " + stretch_text(stretch, summary) + "\n";
+  const int64_t more = summary.stretch_count - static_cast<int64_t>(summary.stretches.size());
+  if (more > 0) text += format("  and %lld more, none of them longer\n", static_cast<long long>(more));
   text += format("slices    %lld with %lld vertices, %lld triangles\n", static_cast<long long>(s.slices),
                  static_cast<long long>(s.slice_vertices), static_cast<long long>(s.slice_triangles));
   text += format("%-10s%10s%10s%10s\n", "stage", "p50 ms", "p95 ms", "max ms");
   for (const auto& [stage, times] : summary.stage_times) {
-    text += format("%-10s%10.2f%10.2f%10.2f\n", stage.c_str(), times.p50_ms, times.p95_ms, times.max_ms);
+    const char* name = stage == "frame_fallback" ? "fallback" : stage.c_str();
+    text += format("%-10s%10.2f%10.2f%10.2f\n", name, times.p50_ms, times.p95_ms, times.max_ms);
   }
   text += format("took      %.1f s, %.0f MiB of memory at most%s\n", summary.seconds, summary.peak_memory_mib,
                  summary.interrupted ? "; stopped by the user" : "");
@@ -58,9 +129,16 @@ void write_mission_report(const MissionSummary& summary, const std::filesystem::
   const MissionStatus& s = summary.status;
   nlohmann::ordered_json stages;
   for (const auto& [stage, times] : summary.stage_times) {
-    if (stage != "frame") stages[stage] = to_json(times);
+    if (stage != "frame" && stage != "frame_fallback") stages[stage] = to_json(times);
   }
-  const auto whole_frame = summary.stage_times.find("frame");
+  const auto times_of = [&summary](const char* stage) {
+    const auto found = summary.stage_times.find(stage);
+    return to_json(found == summary.stage_times.end() ? StageTimes{} : found->second);
+  };
+  nlohmann::ordered_json poses_by_source, stretches = nlohmann::ordered_json::array();
+  for (size_t i = 0; i < s.frames_by_source.size(); ++i)
+    poses_by_source[to_string(static_cast<PoseSource>(i))] = s.frames_by_source[i];
+  for (const TrackingStretch& stretch : summary.stretches) stretches.push_back(to_json(stretch));
   nlohmann::ordered_json report = {
       {"program_version", kProgramVersion},
       {"frames", s.frames},
@@ -69,10 +147,16 @@ void write_mission_report(const MissionSummary& summary, const std::filesystem::
       {"frames_lost", s.frames_lost},
       {"frames_skipped", s.frames_skipped},
       {"skip_reasons", summary.skip_reasons},
+      {"poses_by_source", poses_by_source},
+      {"segments", s.segments},
+      {"segment", s.segment},
+      {"stretches", stretches},
+      {"stretch_count", summary.stretch_count},
       {"slices", s.slices},
       {"vertices", s.slice_vertices},
       {"triangles", s.slice_triangles},
-      {"process", whole_frame == summary.stage_times.end() ? to_json({}) : to_json(whole_frame->second)},
+      {"process", times_of("frame")},
+      {"fallback", times_of("frame_fallback")},
       {"stages", stages},
       {"seconds", summary.seconds},
       {"peak_memory_mb", summary.peak_memory_mib},

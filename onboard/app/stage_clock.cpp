@@ -24,6 +24,7 @@ double percentile(const std::vector<int64_t>& bins, int64_t count, double share)
 }  // namespace
 
 void StageClock::add(const std::string& stage, double milliseconds) {
+  last_ms_ = milliseconds;
   Histogram& histogram = stages_[stage];
   histogram.bins.resize(kBins);
   const double bin = std::log(std::max(milliseconds, kShortestMs) / kShortestMs) / std::log(kGrowth);

@@ -37,6 +37,9 @@ class StageClock {
 
   void add(const std::string& stage, double milliseconds);
 
+  /// The duration booked last.
+  double last_ms() const { return last_ms_; }
+
   /// Percentiles to 1 % of their value; in the order of the stages' names.
   std::map<std::string, StageTimes> times() const;
 
@@ -47,6 +50,7 @@ class StageClock {
     int64_t count = 0;
   };
   std::map<std::string, Histogram> stages_;
+  double last_ms_ = 0;
 };
 
 }  // namespace kt

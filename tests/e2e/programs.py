@@ -19,6 +19,8 @@ MISSIONS = {
     "wheels": ["room", "--frames", "24", "--downscale", "2", "--no-surface", "--odometry"],
     "room": ["room", "--frames", "90"],
     "moving": ["fast", "--frames", "30", "--downscale", "2", "--no-surface"],
+    "turning": ["room", "--frames", "110", "--downscale", "2", "--no-surface"],
+    "elsewhere": ["apartment", "--frames", "150", "--downscale", "2", "--no-surface"],
 }
 # A volume so small that several slices leave it during the mission "moving".
 SMALL_VOLUME = ["volume.shift_distance_m=0.1", "volume.resolution=128", "volume.voxel_size_m=0.02"]

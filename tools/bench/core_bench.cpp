@@ -144,6 +144,7 @@ void run(const Options& options) {
   };
 
   const ModelView* model = nullptr;
+  const auto predict = [&](const Pose& T) -> const ModelView& { return *(model = &volume.raycast(T)); };
   Pose T_odom_camera = Pose::Identity();
   int64_t good = 0;
   for (int i = 0; i < kWarmUp + options.frames; ++i) {
@@ -153,7 +154,7 @@ void run(const Options& options) {
       const FrameMaps* maps = nullptr;
       measure(1, [&] { maps = &preprocessor.process(frame); });
       measure(2, [&] {
-        const StampedPose pose = odometry.track(*maps, model, i, frame.timestamp_us);
+        const StampedPose pose = odometry.track(*maps, model, predict, i);
         T_odom_camera = pose.T_odom_camera;
         good += is_timed && pose.status == TrackingStatus::kGood;
       });

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/app/collector.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "gtest/gtest.h"
@@ -212,6 +213,38 @@ TEST(Collector, TellsItsStatusRegularlyAndWhenTheTrackingChanges) {
   EXPECT_EQ(mission.sink.statuses[2].tracking, TrackingStatus::kGood);
 }
 
+TEST(Collector, StatusSaysWhatThePosesSay) {
+  SmallMission mission;
+  mission.feed_room(0, 30);
+  mission.feed(foreign_frame(30));
+  std::array<int64_t, kPoseSources> by_source{};
+  int segments = 0;
+  for (const StampedPose& pose : mission.sink.poses) {
+    ++by_source.at(static_cast<size_t>(pose.source));
+    segments = std::max(segments, pose.segment + 1);
+  }
+  const MissionStatus& status = mission.sink.statuses.back();
+  const StampedPose& last = mission.sink.poses.back();
+  EXPECT_EQ(status.frames, 31);
+  EXPECT_EQ(status.frames_by_source, by_source);
+  EXPECT_EQ(status.segments, segments);
+  EXPECT_EQ(status.segment, last.segment);
+  EXPECT_EQ(status.tracking, last.status);
+  EXPECT_EQ(status.source, last.source);
+  EXPECT_EQ(status.cause, last.cause);
+  EXPECT_EQ(status.inlier_share, last.quality.inlier_share);
+}
+
+TEST(Collector, NoSegmentHasBegunBeforeTheFirstGoodFrame) {
+  SmallMission mission;
+  RgbdFrame blind = room_frame(0);
+  blind.depth = Image<uint16_t>(160, 120);
+  mission.feed(blind);
+  EXPECT_EQ(mission.collector.status().segments, 0);
+  mission.feed_room(1, 2);
+  EXPECT_EQ(mission.collector.status().segments, 1);
+}
+
 TEST(Collector, FinishPublishesWhatIsLeftAndTheLastStatus) {
   SmallMission mission;
   mission.feed_room(0, 6);
@@ -327,6 +360,19 @@ TEST(Collector, TimesItsStages) {
     ASSERT_TRUE(times.contains(stage)) << stage;
     EXPECT_EQ(times.at(stage).count, 3) << stage;
   }
+}
+
+TEST(Collector, TimesFramesThatTheModelDidNotPlaceApart) {
+  SmallMission mission;
+  mission.feed_room(0, 5);
+  EXPECT_FALSE(mission.collector.clock().times().contains("frame_fallback"));
+  mission.feed(foreign_frame(5));
+  ASSERT_NE(mission.reports.back().pose.status, TrackingStatus::kGood);
+  const auto times = mission.collector.clock().times();
+  EXPECT_EQ(times.at("frame").count, 6);
+  EXPECT_EQ(times.at("frame_fallback").count, 1);
+  EXPECT_LE(times.at("frame_fallback").max_ms, times.at("frame").max_ms);
+  EXPECT_GE(times.at("frame_fallback").max_ms, times.at("frame").p50_ms / 100) << "of the whole frame";
 }
 
 }  // namespace

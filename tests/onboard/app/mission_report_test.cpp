@@ -29,6 +29,32 @@ MissionSummary summary() {
   s.skip_reasons = {"frame 5: truncated \"image\" 100 %"};
   s.stage_times["frame"] = {70, 80, 90, 200};
   s.stage_times["track"] = {20, 25, 30, 200};
+  s.stage_times["frame_fallback"] = {110, 120, 130, 40};
+  s.status.frames_by_source = {10, 2, 150, 30, 0, 8, 0};
+  s.status.segments = 2;
+  s.status.segment = 1;
+  s.first_us = 50'000'000;
+  TrackingStretch stretch;
+  stretch.first_sequence = 370;
+  stretch.last_sequence = 402;
+  stretch.first_us = 62'333'000;
+  stretch.last_us = 63'400'000;
+  stretch.lost = 20;
+  stretch.uncertain = 13;
+  stretch.cause = TrackingCause::kFewInliers;
+  stretch.lowest_inlier_share = 0.25;
+  stretch.end = TrackingStretch::End::kFound;
+  stretch.found_by = PoseSource::kFeatures;
+  s.stretches.push_back(stretch);
+  TrackingStretch gap;
+  gap.first_sequence = 500;
+  gap.last_sequence = 501;
+  gap.first_us = 70'000'000;
+  gap.last_us = gap.first_us + 2'000'000;
+  gap.gap_us = 2'000'000;
+  gap.is_gap = true;
+  s.stretches.push_back(gap);
+  s.stretch_count = 5;
   s.seconds = 12.5;
   s.peak_memory_mib = 321;
   return s;
@@ -70,6 +96,56 @@ TEST(MissionReport, MotionSamplesAreNamedWhereThereAreAny) {
   std::filesystem::remove(path);
 }
 
+TEST(MissionReport, TextSaysWherePosesCameFrom) {
+  EXPECT_THAT(mission_report_text(summary()),
+              HasSubstr("poses     10 none, 2 start, 150 model, 30 features, 8 relocalised\n"));
+}
+
+TEST(MissionReport, TextNamesSegmentsWhereThereAreMoreThanOne) {
+  EXPECT_THAT(mission_report_text(summary()),
+              HasSubstr("segments  2, counted from 0; at the end in segment 1\n"));
+  MissionSummary one = summary();
+  one.status.segments = 1;
+  EXPECT_THAT(mission_report_text(one), testing::Not(HasSubstr("segment")));
+}
+
+TEST(MissionReport, TextTellsTheWorstStretchesInPlainWords) {
+  EXPECT_THAT(
+      mission_report_text(summary()),
+      HasSubstr("worst stretches of the tracking\n"
+                "  12.3 s to 13.4 s (frames 370 to 402): 20 lost, 13 uncertain, few inliers; found again by "
+                "features\n"
+                "  20.0 s to 22.0 s (frames 500 to 501): no frames for 2.0 s; end of mission\n"
+                "  and 3 more, none of them longer\n"));
+  MissionSummary smooth = summary();
+  smooth.stretches.clear();
+  smooth.stretch_count = 0;
+  EXPECT_THAT(mission_report_text(smooth), testing::Not(HasSubstr("stretch")));
+}
+
+TEST(MissionReport, TextGivesTheTimesOfFallbackFrames) {
+  EXPECT_THAT(mission_report_text(summary()), HasSubstr("\nfallback      110.00    120.00    130.00\n"));
+}
+
+TEST(MissionReport, ProgressSaysWhatThePoseIsWorth) {
+  MissionStatus status;
+  status.frames = 11;
+  status.frames_skipped = 1;
+  status.slices = 2;
+  status.tracking = TrackingStatus::kUncertain;
+  status.source = PoseSource::kModel;
+  status.cause = TrackingCause::kFewInliers;
+  status.inlier_share = 0.434;
+  EXPECT_EQ(mission_progress_text(status, 600, 0.5),
+            "frame 12 of 600  22.0 Hz  uncertain (few inliers, 43 %)  2 slices  1 skipped");
+  status.source = PoseSource::kPairwise;
+  status.tracking = TrackingStatus::kGood;
+  status.cause = TrackingCause::kNone;
+  EXPECT_EQ(mission_progress_text(status, -1, 0.5),
+            "frame 12  22.0 Hz  good (pairwise, 43 %)  2 slices  1 skipped");
+  EXPECT_EQ(mission_progress_text({}, 3, 0), "frame 0 of 3  0.0 Hz  good  0 slices  0 skipped");
+}
+
 TEST(MissionReport, OfNothingIsFinite) { EXPECT_THAT(mission_report_text({}), HasSubstr("0.0 % tracked")); }
 
 TEST(MissionReport, JsonHoldsTheSameFigures) {
@@ -84,7 +160,34 @@ TEST(MissionReport, JsonHoldsTheSameFigures) {
   EXPECT_EQ(report["process"]["p50_ms"], 70);
   EXPECT_EQ(report["stages"]["track"]["p95_ms"], 25);
   EXPECT_FALSE(report["stages"].contains("frame"));
+  EXPECT_FALSE(report["stages"].contains("frame_fallback"));
+  EXPECT_EQ(report["fallback"]["p95_ms"], 120);
+  EXPECT_EQ(report["fallback"]["count"], 40);
+  EXPECT_EQ(report["poses_by_source"]["model"], 150);
+  EXPECT_EQ(report["poses_by_source"]["prior"], 0);
+  EXPECT_EQ(report["segments"], 2);
+  EXPECT_EQ(report["segment"], 1);
+  EXPECT_EQ(report["stretch_count"], 5);
+  ASSERT_EQ(report["stretches"].size(), 2u);
+  EXPECT_EQ(report["stretches"][0],
+            nlohmann::json::parse(R"({"first_frame": 370, "last_frame": 402, "first_timestamp_us": 62333000,
+                "last_timestamp_us": 63400000, "lost": 20, "uncertain": 13, "gap_us": 0, "cause": "few inliers",
+                "lowest_inlier_share": 0.25, "end": "found again", "found_by": "features"})"));
+  EXPECT_EQ(report["stretches"][1]["cause"], "gap");
+  EXPECT_EQ(report["stretches"][1]["found_by"], nullptr);
   EXPECT_EQ(report["interrupted"], false);
+  std::filesystem::remove(path);
+}
+
+TEST(MissionReport, JsonOfASmoothMissionHasEveryField) {
+  const std::filesystem::path path =
+      std::filesystem::path(testing::TempDir()) / "kintsugi_smooth_mission_report.json";
+  write_mission_report({}, path);
+  const nlohmann::json report = nlohmann::json::parse(std::ifstream(path));
+  EXPECT_EQ(report["stretches"], nlohmann::json::array());
+  EXPECT_EQ(report["fallback"]["count"], 0);
+  EXPECT_EQ(report["process"]["count"], 0);
+  EXPECT_EQ(report["poses_by_source"].size(), static_cast<size_t>(kPoseSources));
   std::filesystem::remove(path);
 }
 

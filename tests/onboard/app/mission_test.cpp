@@ -127,6 +127,21 @@ TEST(Mission, MotionSamplesAreLoggedOnlyWithTheRawFrames) {
   EXPECT_TRUE(sink.motion_samples.empty());
 }
 
+TEST(Mission, TellsWhereTheTrackingWasInTrouble) {
+  std::vector<SourceItem> items = room_items(8);
+  for (SourceItem& item : items) item.frame.timestamp_us += item.frame.sequence < 5 ? 0 : 2'000'000;
+  const int64_t first_us = items[0].frame.timestamp_us;
+  ListSource source(items);
+  RecordingSink sink;
+  const MissionSummary summary = run_mission(source, sink, small_mission());
+  EXPECT_EQ(summary.first_us, first_us);
+  EXPECT_EQ(summary.stretch_count, 1);
+  ASSERT_EQ(summary.stretches.size(), 1u);
+  EXPECT_EQ(summary.stretches[0].first_sequence, 4);
+  EXPECT_GE(summary.stretches[0].last_sequence, 5);
+  EXPECT_GT(summary.stretches[0].gap_us, 2'000'000);
+}
+
 TEST(Mission, StopFlagEndsItWithTheFlush) {
   std::atomic<bool> stop = false;
   ListSource source(room_items(20));

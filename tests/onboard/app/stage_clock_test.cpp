@@ -49,6 +49,15 @@ TEST(StageClock, KeepsStagesApartAndSorted) {
   EXPECT_EQ(times.at("track").count, 2);
 }
 
+TEST(StageClock, SaysWhatItBookedLast) {
+  StageClock clock;
+  clock.add("track", 5);
+  clock.add("fuse", 7.25);
+  EXPECT_EQ(clock.last_ms(), 7.25);
+  clock.measure("body", [&] { clock.add("part of it", 1e6); });
+  EXPECT_LT(clock.last_ms(), 1e6) << "the whole is booked after its parts";
+}
+
 TEST(StageClock, MeasurePassesTheResultOn) {
   StageClock clock;
   int value = 3;

@@ -12,6 +12,7 @@ from pathlib import Path
 
 TOOL = Path(__file__).resolve().parents[3] / "tools" / "benchmark"
 sys.dont_write_bytecode = True
+sys.path.insert(0, str(TOOL.parent))
 benchmark = module_from_spec(spec_from_loader("benchmark", SourceFileLoader("benchmark", str(TOOL))))
 sys.modules["benchmark"] = benchmark
 benchmark.__loader__.exec_module(benchmark)
