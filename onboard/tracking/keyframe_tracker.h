@@ -25,6 +25,8 @@ class KeyframeTracker {
   /// The frame that the next calls are about. Its features are found when they are first needed.
   void look_at(const FrameMaps& maps);
 
+  int feature_count() { return static_cast<int>(features().size()); }
+
   /// From the keyframe of `segment` nearest to the guess; nothing where there is none near.
   std::optional<Found> find_near(int segment, const Pose& T_odom_guess);
 

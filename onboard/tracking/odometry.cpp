@@ -35,6 +35,9 @@ constexpr double kAgreement_m = 0.04, kAgreement_rad = 2 * kDegree;
 // A camera that is found again shows so much of the keyframe, and is confirmed within this time.
 constexpr double kLeastKeyframeOverlap = 0.3, kLongestConfirmation_s = 0.5;
 
+// What covers a lens is nearer, and blurred.
+constexpr double kNotAHand_m = 0.6;
+
 // Of the time between two frames, this much counts as search: a gap is none.
 constexpr int64_t kLongestSearch_us = 200'000;
 
@@ -86,9 +89,7 @@ StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, const
         motion_->has_translation)
       estimate = dead_reckoned(estimate);
   }
-  if (estimate.result.status != TrackingStatus::kGood &&
-      estimate.result.cause != TrackingCause::kUnconstrained &&
-      tracker_.measured_share(maps) >= config_.min_measured_share) {
+  if (estimate.result.status != TrackingStatus::kGood && shows_a_place(maps)) {
     usable_lost_us_ += std::min(maps.timestamp_us - last_us_, kLongestSearch_us);
     if (static_cast<double>(usable_lost_us_) * 1e-6 >= config_.new_segment_after_s)
       return start_segment(maps, sequence);
@@ -259,9 +260,14 @@ Odometry::Estimate Odometry::by_keyframe(const FrameMaps& maps, const PredictSur
   return estimate;
 }
 
+bool Odometry::shows_a_place(const FrameMaps& maps) {
+  const bool is_textured = keyframes_.feature_count() >= 2 * config_.min_feature_inliers;
+  return Tracker::measured_share(maps, is_textured ? 0 : kNotAHand_m) >= config_.min_measured_share;
+}
+
 StampedPose Odometry::start_segment(const FrameMaps& maps, int64_t sequence) {
   Estimate estimate;
-  if (tracker_.measured_share(maps) >= config_.min_measured_share) {
+  if (shows_a_place(maps)) {
     estimate.result.status = TrackingStatus::kGood;
     estimate.result.cause = TrackingCause::kNone;
     estimate.source = PoseSource::kStart;

@@ -70,6 +70,8 @@ class Odometry {
   std::optional<Estimate> relocalise(const FrameMaps& maps, const PredictSurface& predict);
   Estimate by_keyframe(const FrameMaps& maps, const PredictSurface& predict, int index,
                        const Pose& T_odom_guess);
+  /// Whether the frame shows a place at all, rather than a hand before the lens.
+  bool shows_a_place(const FrameMaps& maps);
   StampedPose start_segment(const FrameMaps& maps, int64_t sequence);
   StampedPose conclude(const FrameMaps& maps, const Estimate& estimate, int64_t sequence);
 

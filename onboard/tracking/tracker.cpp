@@ -206,10 +206,18 @@ void Tracker::judge(const FrameMaps& maps, const ModelView& model, const Pose& T
                                     : TrackingCause::kFewInliers;
 }
 
-double Tracker::measured_share(const FrameMaps& maps) {
+double Tracker::measured_share(const FrameMaps& maps, double beyond_m) {
   const SurfaceLevel& surface = maps.levels[kJudgedLevel];
   const std::vector<Vec4f> normals = surface.normals.downloaded();
-  const auto measured = std::count_if(normals.begin(), normals.end(), [](const Vec4f& n) { return n.w > 0; });
+  const std::vector<float> depth = surface.depth.downloaded();
+  const DepthView view{depth.data(), surface.camera.width, surface.camera.height};
+  int64_t measured = 0;
+  for (int v = 0; v < view.height; ++v) {
+    for (int u = 0; u < view.width; ++u) {
+      const bool has_normal = normals[static_cast<size_t>(v * view.width + u)].w > 0;
+      measured += has_normal && static_cast<double>(view.at(u, v)) > beyond_m;
+    }
+  }
   return static_cast<double>(measured) / static_cast<double>(normals.size());
 }
 

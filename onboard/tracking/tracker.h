@@ -71,8 +71,8 @@ class Tracker {
   TrackResult track(const FrameMaps& maps, const ModelView& model, const PhotometricReference* reference,
                     const TrackGuess& guess);
 
-  /// Share of the pixels at which the frame measured a surface.
-  double measured_share(const FrameMaps& maps);
+  /// Share of the pixels at which the frame measured a surface, farther away than `beyond_m`.
+  static double measured_share(const FrameMaps& maps, double beyond_m = 0);
 
  private:
   void judge(const FrameMaps& maps, const ModelView& model, const Pose& T_model_current, TrackResult* result);
