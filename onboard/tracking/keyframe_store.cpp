@@ -61,10 +61,11 @@ void KeyframeStore::add(StoredKeyframe keyframe) {
   keyframes_.push_back(std::move(keyframe));
 }
 
-std::optional<KeyframeStore::Nearest> KeyframeStore::nearest(int segment, const Pose& T_odom_camera) const {
+std::optional<KeyframeStore::Nearest> KeyframeStore::nearest(int segment, const Pose& T_odom_camera,
+                                                             int64_t since_us) const {
   std::optional<Nearest> best;
   for (int i = 0; i < size(); ++i) {
-    if (at(i).segment != segment) continue;
+    if (at(i).segment != segment || at(i).timestamp_us < since_us) continue;
     const Pose T = at(i).T_odom_camera.inverse() * T_odom_camera;
     const double distance = T.translation().norm() + rotation_angle(T);
     if (!best || distance < best->distance) best = {i, distance};

@@ -16,6 +16,7 @@ using PlaceCode = std::array<uint64_t, 8>;
 
 struct StoredKeyframe {
   int64_t sequence = 0;  ///< of its frame
+  int64_t timestamp_us = 0;
   int segment = 0;
   Pose T_odom_camera = Pose::Identity();
   std::vector<Feature> features;
@@ -34,13 +35,13 @@ class KeyframeStore {
   int size() const { return static_cast<int>(keyframes_.size()); }
   const StoredKeyframe& at(int index) const { return keyframes_[static_cast<size_t>(index)]; }
 
-  /// The one of `segment` whose pose is nearest by the paper's metric (distance in metres plus angle in
-  /// radians, eq. 2), and how near.
+  /// The one of `segment` not older than `since_us` whose pose is nearest by the paper's metric (distance in
+  /// metres plus angle in radians, eq. 2), and how near.
   struct Nearest {
     int index = -1;
     double distance = 0;
   };
-  std::optional<Nearest> nearest(int segment, const Pose& T_odom_camera) const;
+  std::optional<Nearest> nearest(int segment, const Pose& T_odom_camera, int64_t since_us) const;
 
   /// Up to `count` that look most like `code`, best first, and after those `others` more in turn, so that
   /// repeated calls come to every keyframe whatever it looks like.

@@ -8,6 +8,9 @@ namespace {
 // A keyframe farther from the guess, by the paper's metric, shares too little of the view.
 constexpr double kNear = 1.0;
 
+// The odometry has drifted since an older one: it says where the camera is in the room, not in the model.
+constexpr int64_t kRecent_us = 20'000'000;
+
 // Keyframes that a lost frame is compared with: those that look most like it, and some in turn.
 constexpr int kAlike = 3, kInTurn = 2;
 
@@ -32,7 +35,7 @@ const std::vector<Feature>& KeyframeTracker::features() {
 }
 
 std::optional<KeyframeTracker::Found> KeyframeTracker::find_near(int segment, const Pose& T_odom_guess) {
-  const auto nearest = store_.nearest(segment, T_odom_guess);
+  const auto nearest = store_.nearest(segment, T_odom_guess, maps_->timestamp_us - kRecent_us);
   if (!nearest || nearest->distance > kNear) return std::nullopt;
   const StoredKeyframe& keyframe = store_.at(nearest->index);
   const FeatureAlignment alignment =
@@ -54,9 +57,9 @@ std::optional<KeyframeTracker::Found> KeyframeTracker::find_anywhere() {
 }
 
 void KeyframeTracker::remember(int64_t sequence, int segment, const Pose& T_odom_camera) {
-  const auto nearest = store_.nearest(segment, T_odom_camera);
+  const auto nearest = store_.nearest(segment, T_odom_camera, maps_->timestamp_us - kRecent_us);
   if (nearest && nearest->distance < config_.keyframe_distance) return;
-  store_.add({sequence, segment, T_odom_camera, features(), views_.keep(*maps_), store_.code_of(*maps_)});
+  store_.add({sequence, maps_->timestamp_us, segment, T_odom_camera, features(), views_.keep(*maps_), store_.code_of(*maps_)});
 }
 
 }  // namespace kt

@@ -27,13 +27,13 @@ class KeyframeTracker {
 
   int feature_count() { return static_cast<int>(features().size()); }
 
-  /// From the keyframe of `segment` nearest to the guess; nothing where there is none near.
+  /// From the recent keyframe of `segment` nearest to the guess; nothing where there is none near.
   std::optional<Found> find_near(int segment, const Pose& T_odom_guess);
 
   /// From any keyframe: that with the most inliers of some that look alike, and of a few more in turn.
   std::optional<Found> find_anywhere();
 
-  /// Makes a keyframe of the frame, seen from T_odom_camera, where there is none near.
+  /// Makes a keyframe of the frame, seen from T_odom_camera, where there is no recent one near.
   void remember(int64_t sequence, int segment, const Pose& T_odom_camera);
 
   const StoredKeyframe& keyframe(int index) const { return store_.at(index); }

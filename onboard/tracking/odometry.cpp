@@ -134,31 +134,35 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
   if (best.is_sure) return best;
 
   const auto found = keyframes_.find_near(last_good_.segment, T_odom_guess);
-  const bool has_features = found && found->alignment.status == FeatureStatus::kOk;
-  if (has_features)
-    attempt(&reference_, found->T_odom_camera, view_at(found->T_odom_camera), PoseSource::kFeatures);
-  if (!best.is_sure && dt_s <= kLongestPairwise_s) {
-    const Pose& T_start = has_features ? found->T_odom_camera : T_odom_last;
+  if (found && found->alignment.status == FeatureStatus::kOk) {
+    // Features and surface are independent witnesses.
+    const auto agree = [&] {
+      return best.result.status == TrackingStatus::kGood &&
+             is_within(found->T_odom_camera.inverse() * best.result.T_odom_camera, kAgreement_m, kAgreement_rad);
+    };
+    if (!agree()) {
+      attempt(&reference_, found->T_odom_camera, view_at(found->T_odom_camera), PoseSource::kFeatures);
+      if (!agree() && !best.is_sure) return uncertain(best, *found);
+    }
+    best.is_sure = true;
+  } else if (dt_s <= kLongestPairwise_s) {
     const TrackResult pairwise =
-        tracker_.track(maps, views_.view(last_surface_, T_odom_last), nullptr, guess_at(T_start));
+        tracker_.track(maps, views_.view(last_surface_, T_odom_last), nullptr, guess_at(T_odom_last));
     if (pairwise.status == TrackingStatus::kGood)
       attempt(nullptr, pairwise.T_odom_camera, view_at(pairwise.T_odom_camera), PoseSource::kPairwise);
   }
-  if (!has_features) return best;
-
-  // Features and surface are independent witnesses.
-  const Pose T_found_best = found->T_odom_camera.inverse() * best.result.T_odom_camera;
-  if (is_within(T_found_best, kAgreement_m, kAgreement_rad)) {
-    best.is_sure = best.result.status == TrackingStatus::kGood;
-  } else if (!best.is_sure) {
-    best.result.T_odom_camera = found->T_odom_camera;
-    if (best.result.status == TrackingStatus::kGood) best.result.cause = TrackingCause::kUnconfirmed;
-    best.result.status = TrackingStatus::kUncertain;
-    best.source = PoseSource::kFeatures;
-    best.information = found->alignment.information;
-    best.from_sequence = keyframes_.keyframe(found->keyframe).sequence;
-  }
   return best;
+}
+
+Odometry::Estimate Odometry::uncertain(const Estimate& contradicted, const KeyframeTracker::Found& found) const {
+  Estimate estimate = contradicted;
+  if (estimate.result.status == TrackingStatus::kGood) estimate.result.cause = TrackingCause::kUnconfirmed;
+  estimate.result.status = TrackingStatus::kUncertain;
+  estimate.result.T_odom_camera = found.T_odom_camera;
+  estimate.source = PoseSource::kFeatures;
+  estimate.information = found.alignment.information;
+  estimate.from_sequence = keyframes_.keyframe(found.keyframe).sequence;
+  return estimate;
 }
 
 Pose Odometry::predicted_motion(double dt_s) const {

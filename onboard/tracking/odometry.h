@@ -64,6 +64,8 @@ class Odometry {
   Pose predicted_motion(double dt_s) const;
   Estimate dead_reckoned(const Estimate& lost) const;
   Estimate follow(const FrameMaps& maps, const ModelView& model, const PredictSurface& predict);
+  /// The features' pose, where the surface does not bear it out.
+  Estimate uncertain(const Estimate& contradicted, const KeyframeTracker::Found& found) const;
   Estimate by_model(const FrameMaps& maps, const ModelView& model, const PhotometricReference* reference,
                     const TrackGuess& guess, PoseSource source);
   std::optional<Estimate> confirm(const FrameMaps& maps, const PredictSurface& predict);
