@@ -97,6 +97,7 @@ TEST(KeyframeStore, NeverHoldsMoreThanItsCapacityAndKeepsTheNewest) {
       ASSERT_LE(store.size(), capacity);
       const std::vector<int64_t> kept = sequences(store);
       ASSERT_EQ(kept.back(), sequence);
+      ASSERT_TRUE(std::is_sorted(kept.begin(), kept.end()));
       for (int64_t recent = 0; recent < std::min<int64_t>(sequence + 1, capacity / 2); ++recent)
         ASSERT_EQ(kept[kept.size() - 1 - static_cast<size_t>(recent)], sequence - recent) << capacity;
     }
