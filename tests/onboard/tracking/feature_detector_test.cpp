@@ -55,6 +55,22 @@ void expect_points_on_surface(const View& view, size_t at_least) {
   }
   std::sort(errors.begin(), errors.end());
   EXPECT_LT(errors[errors.size() / 2], 0.005);
+  // No level's pixels are shifted against its points.
+  const PinholeParams camera = view.colour_camera();
+  for (int level = 0; level < kIntensityLevels; ++level) {
+    Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+    double count = 0;
+    for (const Feature& feature : features) {
+      if (feature.level != level) continue;
+      const Eigen::Vector3d p = view.calibration.T_colour_depth * feature.p_camera;
+      const Vec3f p_colour{static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
+      shift += feature.pixel - Eigen::Vector2d(camera.project_u(p_colour), camera.project_v(p_colour));
+      ++count;
+    }
+    if (count >= 5) {
+      EXPECT_LT((shift / count).norm(), 0.2 * (1 << level)) << "level " << level;
+    }
+  }
 }
 
 TEST(FeatureDetector, PointsLieOnTheSurfaceThatThePixelShows) { expect_points_on_surface({}, 150); }
