@@ -225,7 +225,8 @@ struct PlaceBit {
     float u1, v1, u2, v2;  // of the width and height
   };
   static constexpr int kIntensityBits = 256, kDepthBits = 256;
-  IntensityView intensity;  // null where there is no colour
+  static constexpr float kClearlyFarther = 1.05f;  // which of two points of a wall is farther is noise
+  IntensityView intensity;                         // null where there is no colour
   DepthView depth;
   const Pair* pairs;  // one per bit
   uint8_t* bits;      // out: 0 or 1
@@ -235,7 +236,7 @@ struct PlaceBit {
     if (i < kIntensityBits) {
       bits[i] = intensity.levels && mean_intensity(pair.u1, pair.v1) > mean_intensity(pair.u2, pair.v2);
     } else {
-      bits[i] = mean_depth(pair.u1, pair.v1) > mean_depth(pair.u2, pair.v2);
+      bits[i] = mean_depth(pair.u1, pair.v1) > kClearlyFarther * mean_depth(pair.u2, pair.v2);
     }
   }
 

@@ -57,6 +57,7 @@ void KeyframeStore::add(StoredKeyframe keyframe) {
     size_t index = 0;
     const size_t older = keyframes_.size() / 2;
     std::erase_if(keyframes_, [&](const StoredKeyframe&) { return index < older && index++ % 2 == 1; });
+    if (keyframes_.size() >= capacity_) keyframes_.erase(keyframes_.begin());  // a half too small to thin out
   }
   keyframes_.push_back(std::move(keyframe));
 }

@@ -105,7 +105,13 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
     TrackGuess guess{T_odom_camera, exposure_};
     guess.velocity = log_se3(T_odom_last.inverse() * T_odom_camera) / dt_s;
     if (motion_) {
-      guess.T_odom_motion = T_odom_last * motion_->T_from_to;
+      Pose T_last_motion = motion_->T_from_to;
+      if (!motion_->has_rotation) {  // a velocity, which holds in the camera as it turns
+        Vector6d twist;
+        twist << log_so3((T_odom_last.inverse() * T_odom_camera).linear()), T_last_motion.translation();
+        T_last_motion = exp_se3(twist);
+      }
+      guess.T_odom_motion = T_odom_last * T_last_motion;
       guess.motion_information = transported(motion_->information, T_odom_last.inverse());
     }
     return guess;

@@ -113,6 +113,20 @@ Vector3d AnalyticScene::colour(const Vector3d& p) {
           128 + 100 * std::sin(2 * p.z() + p.x())};
 }
 
+double AnalyticScene::blotches(const Vector3d& p_world, double size_m) {
+  const Vector3d p = p_world / size_m;
+  const Eigen::Array3d corner = p.array().floor(), share = p.array() - corner;
+  const Eigen::Array3d smooth = share * share * (3 - 2 * share);
+  double sum = 0;
+  for (int k = 0; k < 8; ++k) {
+    const Eigen::Array3d step(k & 1, k >> 1 & 1, k >> 2);
+    const Eigen::Array3d at = corner + step + 1e5;
+    const auto key = [&at](int axis) { return static_cast<uint64_t>(at(axis)); };
+    sum += (step * smooth + (1 - step) * (1 - smooth)).prod() * random_uniform(key(0), key(1), key(2));
+  }
+  return 255 * sum;
+}
+
 AnalyticScene furnished_room() {
   return AnalyticScene::room({-2, -1.5, -2}, {2, 1.5, 3})
       .with(Sphere{{0.7, 0.5, 1.8}, 0.45})
@@ -180,7 +194,10 @@ RgbdFrame render(const AnalyticScene& scene, const Calibration& calibration, con
       const auto hit =
           scene.trace(T_world_colour.translation(), T_world_colour.linear() * ray_of_pixel(colour, u, v));
       if (!hit) continue;
-      const Vector3d levels = AnalyticScene::colour(options.texture_scale * hit->p_world);
+      const Vector3d levels =
+          options.blotches_m > 0
+              ? Vector3d(Vector3d::Constant(AnalyticScene::blotches(hit->p_world, options.blotches_m)))
+              : AnalyticScene::colour(options.texture_scale * hit->p_world);
       frame.colour(u, v) = {level(levels.x()), level(levels.y()), level(levels.z())};
     }
   }

@@ -52,6 +52,9 @@ class AnalyticScene {
   /// Colour levels in [0, 255] as a smooth function of position.
   static Eigen::Vector3d colour(const Eigen::Vector3d& p_world);
 
+  /// Grey levels in [0, 255] of blotches some `size_m` wide that never repeat: no two places look alike.
+  static double blotches(const Eigen::Vector3d& p_world, double size_m);
+
  private:
   std::vector<Shape> shapes_;
 };
@@ -74,6 +77,7 @@ struct RenderOptions {
   uint64_t seed = 0;
   double texture_scale = 1;  ///< how many times finer the colours change
   int64_t sequence = 0;      ///< of the frame; stamps are 1/30 s apart
+  double blotches_m = 0;     ///< above 0: grey blotches of this size instead of the colours
 };
 
 /// What the rig records; T_world_camera is the pose of the depth camera.

@@ -27,6 +27,9 @@ struct Trial {
   TrackingConfig config;
   int model_columns = 1 << 20;
   bool half_model = false;
+  Vector6d velocity = Vector6d::Zero();
+  Pose T_odom_motion = Pose::Identity();
+  Matrix6d motion_information = Matrix6d::Zero();
   exec::Device device = exec::Device::cpu(1);
 
   TrackResult run() const { return run(render(scene, calibration, T_odom_camera, render_options)); }
@@ -39,7 +42,8 @@ struct Trial {
     if (has_reference)
       reference.take(preprocessor.process(render(scene, calibration, T_odom_model, render_options)), model);
     return Tracker(device, calibration, config)
-        .track(preprocessor.process(frame), model, &reference, {T_odom_guess});
+        .track(preprocessor.process(frame), model, &reference,
+               {T_odom_guess, {}, velocity, T_odom_motion, motion_information});
   }
 };
 
@@ -219,6 +223,100 @@ TEST(Tracker, InformationIsNotOverconfident) {
   EXPECT_LT(sum / kTrials, 12);
 }
 
+// A camera that turns by 150 degrees per second while its colour image is taken 12 ms after the depth image.
+TEST(Tracker, KnowsWhenTheColourImageWasTaken) {
+  for (const int axis : {0, 1, 2}) {
+    Trial trial;
+    trial.scene = AnalyticScene({Plane{{0, 0, -1}, -1.5}});
+    trial.calibration = small_calibration(2);
+    trial.calibration.T_colour_depth = pose_of({0.3, -0.2, 1}, {-0.03, 0.01, 0});
+    trial.has_reference = true;
+    trial.render_options.texture_scale = 6;
+    trial.T_odom_camera = pose_of({1, -1, 1}, {0.02, -0.03, 0.03});
+    constexpr double kDelay_s = 0.012;
+    Vector6d velocity = Vector6d::Zero();
+    velocity(axis) = 150 * M_PI / 180;
+    velocity.tail<3>() = Eigen::Vector3d(0.1, -0.2, 0.1);
+    const Pose T_odom_shutter = trial.T_odom_camera * exp_se3(kDelay_s * velocity);
+    RgbdFrame frame = render(trial.scene, trial.calibration, trial.T_odom_camera, trial.render_options);
+    frame.colour = render(trial.scene, trial.calibration, T_odom_shutter, trial.render_options).colour;
+    frame.colour_timestamp_us = frame.timestamp_us + std::lround(kDelay_s * 1e6);
+
+    trial.velocity = velocity;
+    const Pose informed = trial.run(frame).T_odom_camera;
+    EXPECT_POSE_NEAR(informed, trial.T_odom_camera, 0.15, 3e-3);
+    trial.velocity.setZero();
+    const Pose uninformed = trial.run(frame).T_odom_camera;
+    if (axis == 2) {
+      EXPECT_GT(rotation_error_deg(uninformed, trial.T_odom_camera), 1);
+    } else {
+      EXPECT_GT(translation_error_m(uninformed, trial.T_odom_camera), 0.02);
+    }
+  }
+}
+
+// A bare wall, seen from away from the odom frame's origin; what another sensor says is known in the camera's
+// own frame.
+Trial bare_wall() {
+  Trial trial;
+  trial.T_odom_model = pose_of({10, -20, 30}, {2, -1, 3});
+  const Eigen::Vector3d n = trial.T_odom_model.linear() * Eigen::Vector3d(0, 0, -1);
+  trial.scene = AnalyticScene({Plane{n, n.dot(trial.T_odom_model.translation()) - 1.5}});
+  trial.T_odom_camera = trial.T_odom_model * pose_of({1, -1, 1.5}, {0.02, -0.03, 0.03});
+  trial.T_odom_guess = trial.T_odom_model;
+  trial.T_odom_motion = trial.T_odom_camera;
+  return trial;
+}
+
+Matrix6d information_in_odom(const Trial& trial, double rotation_sigma, double translation_sigma_m) {
+  Vector6d diagonal;
+  diagonal << Eigen::Vector3d::Constant(rotation_sigma > 0 ? 1 / (rotation_sigma * rotation_sigma) : 0),
+      Eigen::Vector3d::Constant(1 / (translation_sigma_m * translation_sigma_m));
+  return transported(diagonal.asDiagonal(), trial.T_odom_model.inverse());
+}
+
+TEST(Tracker, ASensorsMotionHoldsWhatGeometryLeavesFree) {
+  Trial trial = bare_wall();
+  EXPECT_EQ(trial.run().quality.free_directions, 3);
+  for (const double sigma_m : {0.002, 0.008}) {
+    // So many pixels that 8 mm would not hold a direction if it were geometry that told it.
+    if (sigma_m > 0.005) trial.calibration = small_calibration(4);
+    trial.motion_information = information_in_odom(trial, sigma_m / 2, sigma_m);
+    const TrackResult result = trial.run();
+    EXPECT_EQ(result.quality.free_directions, 0);
+    EXPECT_EQ(result.status, TrackingStatus::kGood);
+    EXPECT_POSE_NEAR(result.T_odom_camera, trial.T_odom_camera, 0.05, 1e-3);
+    EXPECT_GT(result.information.diagonal().tail<3>().minCoeff(), 0.9 / (sigma_m * sigma_m));
+  }
+  trial.motion_information = information_in_odom(trial, 0.02, 0.04);
+  EXPECT_EQ(trial.run().quality.free_directions, 3) << "too vague to hold anything";
+}
+
+TEST(Tracker, AVagueMotionHardlyMovesAPoseThatGeometryTells) {
+  Trial trial;
+  trial.scene = room_corner();
+  trial.calibration = small_calibration(2);
+  trial.T_odom_model = trial.T_odom_guess = pose_of({3, -5, 2}, {0.1, -0.1, 0.1});
+  trial.T_odom_camera = trial.T_odom_model * pose_of({1.5, -1, 2}, {0.02, 0.03, -0.04});
+  const Pose alone = trial.run().T_odom_camera;
+  trial.T_odom_motion = trial.T_odom_camera * pose_of({1, -1, 0.5}, {0.04, -0.03, 0.03});
+  trial.motion_information = information_in_odom(trial, 0.05, 0.05);
+  EXPECT_POSE_NEAR(trial.run().T_odom_camera, alone, 0.05, 1e-3);
+}
+
+TEST(Tracker, AMotionWithoutRotationLeavesRotationAlone) {
+  Trial trial = bare_wall();
+  trial.T_odom_guess = trial.T_odom_camera * pose_of({0, 0, 1}, {0, 0, 0});
+  trial.T_odom_motion.linear() = trial.T_odom_model.linear();  // not measured
+  trial.motion_information = information_in_odom(trial, 0, 0.002);
+  const TrackResult result = trial.run();
+  EXPECT_EQ(result.quality.free_directions, 1) << "the turn about the wall's normal";
+  EXPECT_LT(translation_error_m(result.T_odom_camera, trial.T_odom_camera), 3e-3);
+  const Eigen::Vector3d turned =
+      log_so3(trial.T_odom_guess.linear().transpose() * result.T_odom_camera.linear());
+  EXPECT_NEAR(turned.z() * 180 / M_PI, 0, 0.05);
+}
+
 TEST(Tracker, IsUncertainThenLostAsOverlapShrinks) {
   Trial trial;
   trial.model_columns = 160;
@@ -248,6 +346,17 @@ TEST(Tracker, KnowsHowMuchAFrameMeasured) {
     for (int u = 80; u < 160; ++u) frame.depth(u, v) = 0;
   }
   EXPECT_NEAR(tracker.measured_share(preprocessor.process(frame)), 0.5, 0.05);
+}
+
+TEST(Tracker, KnowsHowMuchAFrameMeasuredFarAway) {
+  const Calibration calibration = small_calibration();
+  Preprocessor preprocessor(exec::Device::cpu(1), calibration, {});
+  const AnalyticScene scene =
+      AnalyticScene({Plane{{0, 0, -1}, -2.5}}).with(Box{{-3, -3, 0.5}, {-0.001, 3, 0.7}});  // the left half
+  const FrameMaps& maps = preprocessor.process(render(scene, calibration, Pose::Identity()));
+  EXPECT_GT(Tracker::measured_share(maps, 0.4), 0.9);
+  EXPECT_NEAR(Tracker::measured_share(maps, 0.6), 0.5, 0.05);
+  EXPECT_EQ(Tracker::measured_share(maps, 2.6), 0);
 }
 
 TEST(Tracker, DoesNotTakeNoiseForASurface) {

@@ -122,6 +122,28 @@ TEST(Se3, AdjointIsAHomomorphism) {
   EXPECT_LT((adjoint(A.inverse()) - adjoint(A).inverse()).cwiseAbs().maxCoeff(), 1e-12);
 }
 
+// A small change of T_b_c weighs the same before and after, seen from either side.
+TEST(Se3, TransportedInformationWeighsTheSameChangeAlike) {
+  for (uint64_t i = 0; i < 20; ++i) {
+    const Pose T_a_b =
+                   exp_se3(tangent(random_unit(i), 0.15 * static_cast<double>(i), 2 * random_unit(50 + i))),
+               T_b_c = exp_se3(tangent(random_unit(70 + i), 1.1, random_unit(90 + i)));
+    const Pose T_a_c = T_a_b * T_b_c;
+    Matrix6d root;
+    for (int k = 0; k < 36; ++k) root(k) = random_normal(2, i, static_cast<uint64_t>(k));
+    const Matrix6d information = root * root.transpose();
+    const Matrix6d moved = transported(information, T_a_b);
+    EXPECT_EQ(moved, moved.transpose());
+    for (uint64_t k = 0; k < 6; ++k) {
+      const Vector6d xi_b = tangent(random_unit(200 + 6 * i + k), 1e-3, 1e-3 * random_unit(400 + 6 * i + k));
+      const Vector6d xi_a = log_se3(T_a_b * exp_se3(xi_b) * T_b_c * T_a_c.inverse());
+      const double expected = xi_a.dot(information * xi_a);
+      EXPECT_NEAR(xi_b.dot(moved * xi_b), expected, 1e-8 * expected);
+    }
+    EXPECT_LT((transported(moved, T_a_b.inverse()) - information).norm(), 1e-11 * moved.norm());
+  }
+}
+
 // d(exp(xi) T p) / dxi at 0 is [-[T p]x, I]: what every solver here builds on.
 TEST(Se3, LeftPerturbationHasTheStatedJacobian) {
   constexpr double kStep = 1e-6;
