@@ -294,14 +294,17 @@ StampedPose Odometry::conclude(const FrameMaps& maps, const Estimate& estimate, 
   const double dt_s = seconds(last_good_.timestamp_us, maps.timestamp_us);
   const bool is_followed =
       estimate.source != PoseSource::kStart && estimate.source != PoseSource::kRelocalised;
+  // Without a good frame the motion model carries on alone.
+  const int64_t unconstrained_us = is_followed && result_.quality.free_directions > 0
+                                       ? unconstrained_us_ + maps.timestamp_us - last_good_.timestamp_us
+                                       : 0;
   if (result_.status == TrackingStatus::kGood && is_followed) {
     // After a gap, or frames that were doubtful, a fair fit may be a wrong one.
     const bool is_return = frames_since_good_ > 0 || 2 * interval_us > 5 * last_interval_us_;
-    unconstrained_us_ = result_.quality.free_directions > 0 ? unconstrained_us_ + interval_us : 0;
     if (is_return && !estimate.is_sure && result_.quality.inlier_share < config_.return_inlier_share) {
       result_.status = TrackingStatus::kUncertain;
       result_.cause = TrackingCause::kUnconfirmed;
-    } else if (static_cast<double>(unconstrained_us_) * 1e-6 > config_.max_unconstrained_s) {
+    } else if (static_cast<double>(unconstrained_us) * 1e-6 > config_.max_unconstrained_s) {
       result_.status = TrackingStatus::kUncertain;
       result_.cause = TrackingCause::kUnconstrained;
     }
@@ -323,6 +326,7 @@ StampedPose Odometry::conclude(const FrameMaps& maps, const Estimate& estimate, 
                     ? Vector6d(log_se3(last_good_.T_odom_camera.inverse() * pose.T_odom_camera) / dt_s)
                     : Vector6d(Vector6d::Zero());
     if (!is_followed) reference_.forget();
+    unconstrained_us_ = unconstrained_us;
     last_good_ = pose;
     exposure_ = result_.exposure;
     frames_since_good_ = 0;

@@ -93,7 +93,7 @@ class Odometry {
   std::optional<Candidate> candidate_;
   int segments_ = 0;
   int64_t last_us_ = 0, last_interval_us_ = 0;
-  int64_t unconstrained_us_ = 0;  // how long good frames have left a direction to the motion model
+  int64_t unconstrained_us_ = 0;  // how long the good frames have left a direction to the motion model
   int64_t usable_lost_us_ = 0;    // time of usable frames since the last good one
   int frames_since_good_ = 0;
 };
