@@ -150,8 +150,11 @@ struct DetectFeature {
     bool is_found = false;
     for (int v = first_v; v < first_v + kCellSide; ++v) {
       for (int u = first_u; u < first_u + kCellSide; ++u) {
-        if (u < kReach || v < kReach || u >= image.width - kReach || v >= image.height - kReach) continue;
-        if (score(u, v) <= best || !is_peak(u, v)) continue;
+        if (u <= kReach || v <= kReach || u >= image.width - kReach || v >= image.height - kReach) continue;
+        Vec3f p_camera;
+        if (score(u, v) <= best || !is_peak(u, v) ||
+            !find_point(static_cast<float>(u), static_cast<float>(v), &p_camera))
+          continue;
         best = score(u, v);
         *best_u = u;
         *best_v = v;

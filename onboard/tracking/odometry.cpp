@@ -22,6 +22,14 @@ constexpr double kLongestPairwise_s = 0.3;
 // A pose that is not good may be anywhere near: its edge must not outweigh a good one.
 constexpr double kUncertainInformation = 1e-2;
 
+// A frame is placed against the model, so most of its error is its own, and the next edge takes it back: of a
+// chain of edges this share of their variances lasts. Beside it the model drifts as it grows: variance per
+// radian turned (rad^2) and per metre gone (m^2). Calibrated on synthetic missions, docs/tracking.md.
+constexpr double kLastingShare = 1.0 / 300, kDriftPerTurn = 1e-7, kDriftPerMove = 1e-6;
+
+// Where nothing is measured the motion is guessed, to so much (rad/s, m/s).
+constexpr double kGuessedTurn = 0.2, kGuessedMove = 0.1;
+
 // Steps are limited as if frames came at this rate; after a gap the camera may have gone farther, up to this
 // factor.
 constexpr double kFrameRate_hz = 30, kLargestStepFactor = 4;
@@ -105,13 +113,7 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
     TrackGuess guess{T_odom_camera, exposure_};
     guess.velocity = log_se3(T_odom_last.inverse() * T_odom_camera) / dt_s;
     if (motion_) {
-      Pose T_last_motion = motion_->T_from_to;
-      if (!motion_->has_rotation) {  // a velocity, which holds in the camera as it turns
-        Vector6d twist;
-        twist << log_so3((T_odom_last.inverse() * T_odom_camera).linear()), T_last_motion.translation();
-        T_last_motion = exp_se3(twist);
-      }
-      guess.T_odom_motion = T_odom_last * T_last_motion;
+      guess.T_odom_motion = T_odom_last * sensed_motion(T_odom_last.inverse() * T_odom_camera);
       guess.motion_information = transported(motion_->information, T_odom_last.inverse());
     }
     return guess;
@@ -144,7 +146,8 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
     // Features and surface are independent witnesses.
     const auto agree = [&] {
       return best.result.status == TrackingStatus::kGood &&
-             is_within(found->T_odom_camera.inverse() * best.result.T_odom_camera, kAgreement_m, kAgreement_rad);
+             is_within(found->T_odom_camera.inverse() * best.result.T_odom_camera, kAgreement_m,
+                       kAgreement_rad);
     };
     if (!agree()) {
       attempt(&reference_, found->T_odom_camera, view_at(found->T_odom_camera), PoseSource::kFeatures);
@@ -160,7 +163,8 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
   return best;
 }
 
-Odometry::Estimate Odometry::uncertain(const Estimate& contradicted, const KeyframeTracker::Found& found) const {
+Odometry::Estimate Odometry::uncertain(const Estimate& contradicted,
+                                       const KeyframeTracker::Found& found) const {
   Estimate estimate = contradicted;
   if (estimate.result.status == TrackingStatus::kGood) estimate.result.cause = TrackingCause::kUnconfirmed;
   estimate.result.status = TrackingStatus::kUncertain;
@@ -172,10 +176,39 @@ Odometry::Estimate Odometry::uncertain(const Estimate& contradicted, const Keyfr
 }
 
 Pose Odometry::predicted_motion(double dt_s) const {
-  Pose T_last_now = exp_se3(velocity_ * std::min(dt_s, kLongestPrediction_s));
-  if (motion_ && motion_->has_rotation) T_last_now.linear() = motion_->T_from_to.linear();
-  if (motion_ && motion_->has_translation) T_last_now.translation() = motion_->T_from_to.translation();
+  return sensed_motion(exp_se3(velocity_ * std::min(dt_s, kLongestPrediction_s)));
+}
+
+Pose Odometry::sensed_motion(const Pose& T_last_guess) const {
+  if (!motion_) return T_last_guess;
+  Pose T_last_now = motion_->T_from_to;
+  if (!motion_->has_translation) T_last_now.translation() = T_last_guess.translation();
+  if (!motion_->has_rotation) {  // a velocity, which holds in the camera as it turns
+    Vector6d twist;
+    twist << log_so3(T_last_guess.linear()), motion_->T_from_to.translation();
+    T_last_now = exp_se3(twist);
+  }
   return T_last_now;
+}
+
+Matrix6d Odometry::edge_information(const Matrix6d& measured, const Pose& T_last_current, double dt_s) const {
+  const auto both = [](double rotation, double translation) {
+    Vector6d diagonal;
+    diagonal << Eigen::Vector3d::Constant(rotation), Eigen::Vector3d::Constant(translation);
+    return diagonal;
+  };
+  const auto inverse = [](const Matrix6d& A) -> Matrix6d {
+    const Matrix6d result = A.llt().solve(Matrix6d::Identity());
+    return (result + result.transpose()) / 2;
+  };
+  const double turn = kGuessedTurn * dt_s, move = kGuessedMove * dt_s;
+  Matrix6d information = measured / kLastingShare;
+  information.diagonal() += both(1 / (turn * turn), 1 / (move * move));
+  if (motion_) information += motion_->information;
+  Matrix6d covariance = inverse(information);
+  covariance.diagonal() += both(kDriftPerTurn * rotation_angle(T_last_current),
+                                kDriftPerMove * T_last_current.translation().norm());
+  return inverse(covariance);
 }
 
 Odometry::Estimate Odometry::dead_reckoned(const Estimate& lost) const {
@@ -322,6 +355,10 @@ StampedPose Odometry::conclude(const FrameMaps& maps, const Estimate& estimate, 
   pose.quality = result_.quality;
   pose.information = estimate.information;
   if (pose.status == TrackingStatus::kGood) {
+    if (is_followed) {
+      pose.information = edge_information(estimate.information,
+                                          last_good_.T_odom_camera.inverse() * pose.T_odom_camera, dt_s);
+    }
     velocity_ = is_followed
                     ? Vector6d(log_se3(last_good_.T_odom_camera.inverse() * pose.T_odom_camera) / dt_s)
                     : Vector6d(Vector6d::Zero());

@@ -62,6 +62,10 @@ class Odometry {
 
   /// Where the camera should be now, seen from the last good frame.
   Pose predicted_motion(double dt_s) const;
+  /// What another sensor says of that, completed by the guess.
+  Pose sensed_motion(const Pose& T_last_guess) const;
+  /// What an edge between two good frames tells, by what the tracker measured against the model.
+  Matrix6d edge_information(const Matrix6d& measured, const Pose& T_last_current, double dt_s) const;
   Estimate dead_reckoned(const Estimate& lost) const;
   Estimate follow(const FrameMaps& maps, const ModelView& model, const PredictSurface& predict);
   /// The features' pose, where the surface does not bear it out.

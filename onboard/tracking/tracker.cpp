@@ -27,6 +27,14 @@ constexpr double kLeverArmM = 2.0;
 // error of depth that all points of an edge share.
 constexpr double kGeometricCorrelation = 50, kPhotometricCorrelation = 500;
 
+// Square of the error of a normal (rad): as much of an eigenvalue says nothing. Walls would seem to hold what
+// they do not, and the camera would glide along them.
+constexpr double kNormalNoise = 2e-3;
+
+// Points of one edge, and all points of one reference, share their errors: a pose that texture alone holds is
+// known less well than the solve believes.
+constexpr double kPhotometricTrust = 0.1;
+
 // Texture, or another sensor, that tells a direction to a centimetre holds it where geometry does not.
 constexpr double kLeastOtherInformation = 1 / (0.01 * 0.01);
 
@@ -44,14 +52,14 @@ Vector6d lever_scale() {
 
 // What all residuals say together about the pose, and the exposure as far as it depends on the pose.
 struct JointEquations {
-  Matrix6d A = Matrix6d::Zero(), A_other = Matrix6d::Zero();  // other: all but geometry
+  Matrix6d A_geometric = Matrix6d::Zero(), A_photometric = Matrix6d::Zero(), A_motion = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();
   Eigen::Matrix2d A_exposure = Eigen::Matrix2d::Identity();
   Eigen::Matrix<double, 2, 6> A_exposure_pose = Eigen::Matrix<double, 2, 6>::Zero();
   Eigen::Vector2d b_exposure = Eigen::Vector2d::Zero();
 
   void add(const exec::NormalEquations& geometric, double chi_square) {
-    A += Eigen::Map<const Matrix6d>(&geometric.A[0][0]) / (kGeometricCorrelation * chi_square);
+    A_geometric = Eigen::Map<const Matrix6d>(&geometric.A[0][0]) / (kGeometricCorrelation * chi_square);
     b += Eigen::Map<const Vector6d>(geometric.b) / (kGeometricCorrelation * chi_square);
   }
   void add(const PhotometricEquations& photometric, double weight) {
@@ -65,18 +73,16 @@ struct JointEquations {
     b_exposure = g.tail<2>();
     // The exposure eliminated (Schur complement).
     const Eigen::Matrix<double, 2, 6> share = A_exposure.inverse() * A_exposure_pose;
-    const Matrix6d A_photometric = H.topLeftCorner<6, 6>() - A_exposure_pose.transpose() * share;
-    A_other += A_photometric;
-    A += A_photometric;
+    A_photometric = H.topLeftCorner<6, 6>() - A_exposure_pose.transpose() * share;
     b += g.head<6>() - share.transpose() * b_exposure;
   }
   // r = log(T_model_current T_model_motion^-1), whose derivative by the left perturbation is near the
   // identity.
   void add_motion(const Matrix6d& information, const Vector6d& difference) {
-    A_other += information;
-    A += information;
+    A_motion = information;
     b += information * difference;
   }
+  Matrix6d A() const { return A_geometric + A_photometric + A_motion; }
   Eigen::Vector2d exposure_step(const Vector6d& pose_step) const {
     return -A_exposure.inverse() * (b_exposure + A_exposure_pose * pose_step);
   }
@@ -87,17 +93,20 @@ struct JointEquations {
 Vector6d solve(const JointEquations& equations, double weights, double min_eigenvalue,
                TrackingQuality* quality) {
   const Vector6d scale = lever_scale();
-  const Matrix6d normalised = scale.asDiagonal() * (equations.A / weights) * scale.asDiagonal();
-  const Matrix6d other = scale.asDiagonal() * equations.A_other * scale.asDiagonal();
+  const Matrix6d normalised = scale.asDiagonal() * (equations.A() / weights) * scale.asDiagonal();
+  const Matrix6d geometric = scale.asDiagonal() * (equations.A_geometric / weights) * scale.asDiagonal();
+  const Matrix6d other =
+      scale.asDiagonal() * (equations.A_photometric + equations.A_motion) * scale.asDiagonal();
   const Vector6d gradient = scale.asDiagonal() * (equations.b / weights);
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(normalised);
-  quality->conditioning = eigen.eigenvalues()(0);
+  quality->conditioning = std::max(0.0, eigen.eigenvalues()(0));
   quality->free_directions = 0;
   Vector6d step = Vector6d::Zero();
   for (int k = 0; k < 6; ++k) {
     const Vector6d direction = eigen.eigenvectors().col(k);
-    if (eigen.eigenvalues()(k) < min_eigenvalue &&
-        direction.dot(other * direction) < kLeastOtherInformation) {
+    const double by_geometry = std::max(0.0, direction.dot(geometric * direction) - kNormalNoise),
+                 by_others = direction.dot(other * direction);
+    if (by_geometry + by_others / weights < min_eigenvalue && by_others < kLeastOtherInformation) {
       ++quality->free_directions;
       continue;
     }
@@ -179,7 +188,7 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
     return result;
   }
   result.quality.residual_m = std::sqrt(geometric.weighted_squares / geometric.weights);
-  result.information = joint.A;
+  result.information = joint.A_geometric + kPhotometricTrust * joint.A_photometric;
   judge(maps, model, T_model_current, &result);
   return result;
 }

@@ -56,7 +56,8 @@ struct TrackResult {
   Pose T_odom_camera = Pose::Identity();
   TrackingStatus status = TrackingStatus::kLost;
   TrackingCause cause = TrackingCause::kNoDepth;
-  /// Of the left perturbation of T_model_current, model = the camera of the model view.
+  /// Of the left perturbation of T_model_current, model = the camera of the model view: what the frame's own
+  /// pixels tell.
   Matrix6d information = Matrix6d::Zero();
   Exposure exposure;  ///< of the frame against the reference
   TrackingQuality quality;

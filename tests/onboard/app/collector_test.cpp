@@ -103,7 +103,6 @@ TEST(Collector, EdgesStartAtTheLastGoodFrame) {
   EXPECT_EQ(poses[4].status, TrackingStatus::kGood);
   const int64_t from[] = {0, 0, 1, 2, 2, 4};
   for (size_t i = 0; i < 6; ++i) EXPECT_EQ(poses[i].from_sequence, from[i]) << i;
-  EXPECT_TRUE(poses[4].information.isApprox(mission.reports[4].track.information, 1e-9));
   // A doubtful edge must not outweigh a measured one.
   EXPECT_LT(poses[3].information.trace(), 0.05 * poses[4].information.trace());
   EXPECT_GT(poses[3].information.diagonal().minCoeff(), 0);

@@ -421,9 +421,10 @@ TEST(Recovery, ASimilarBareRoomIsNotTheKnownOne) {
 
 // A wall tells a distance and two tilts: how far the camera has gone along it meanwhile, nobody knows.
 TEST(Recovery, AfterABlackoutABareWallTellsTooLittle) {
-  const Place place{AnalyticScene({Plane{{0, 0, -1}, -2.0}, Box{{-1.2, 0.15, 1.2}, {-0.5, 0.6, 2.1}},
-                                   Sphere{{-0.55, -0.35, 1.5}, 0.25}}),
-                    0, 0};
+  const Place place{
+      AnalyticScene({Plane{{0, 0, -1}, -2.0}, Box{{-1.2, 0.15, 1.0}, {-0.5, 0.6, 2.1}},
+                     Box{{-1.2, -0.9, 1.0}, {-0.55, -0.5, 2.1}}, Sphere{{-0.55, -0.35, 1.5}, 0.25}}),
+      0, 0};
   Mission mission(kCoarse);
   mission.tolerance_deg = 1;
   int tick = 0;

@@ -116,19 +116,19 @@ TEST(KeyframeStore, EverySecondOfTheOlderHalfGoes) {
 // Distance in metres plus angle in radians.
 TEST(KeyframeStore, NearestIsByThePapersMetricAndInItsSegment) {
   KeyframeStore store(exec::Device::cpu(1), 10);
-  EXPECT_FALSE(store.nearest(0, Pose::Identity()));
+  EXPECT_FALSE(store.nearest(0, Pose::Identity(), 0));
   store.add(keyframe(0, 0, pose_of({0, 0, 0}, {0, 0, 0.3})));
   store.add(keyframe(1, 0, pose_of({0, 10, 0}, {0.1, 0, 0})));
   store.add(keyframe(2, 1, pose_of({0, 0, 0}, {0, 0, 0.01})));
-  const auto nearest = store.nearest(0, Pose::Identity());
+  const auto nearest = store.nearest(0, Pose::Identity(), 0);
   ASSERT_TRUE(nearest);
   EXPECT_EQ(nearest->index, 1);
   EXPECT_NEAR(nearest->distance, 0.1 + 10 * std::numbers::pi / 180, 1e-12);
-  EXPECT_EQ(store.nearest(1, Pose::Identity())->index, 2);
-  EXPECT_FALSE(store.nearest(2, Pose::Identity()));
+  EXPECT_EQ(store.nearest(1, Pose::Identity(), 0)->index, 2);
+  EXPECT_FALSE(store.nearest(2, Pose::Identity(), 0));
   const Pose elsewhere = pose_of({0, 5, 0}, {0, 0, 0.3});
-  EXPECT_EQ(store.nearest(0, elsewhere)->index, 0);
-  EXPECT_NEAR(store.nearest(0, elsewhere)->distance, 5 * std::numbers::pi / 180, 1e-12);
+  EXPECT_EQ(store.nearest(0, elsewhere, 0)->index, 0);
+  EXPECT_NEAR(store.nearest(0, elsewhere, 0)->distance, 5 * std::numbers::pi / 180, 1e-12);
 }
 
 TEST(KeyframeStore, CodesWithoutColourStillTellDepth) {

@@ -146,10 +146,12 @@ TEST(Tracker, KeepsTheGuessAlongABareCorridor) {
   trial.T_odom_camera = pose_of({1, 1, 1}, {0.02, -0.01, 0});
   trial.T_odom_guess = pose_of({0, 0, 0}, {0, 0, 0.07});
   const TrackResult result = trial.run();
+  EXPECT_GT(result.quality.free_directions, 0);
   EXPECT_NEAR(result.T_odom_camera.translation().z(), 0.07, 3e-3);
   Pose across = result.T_odom_camera;
   across.translation().z() = 0;
-  EXPECT_POSE_NEAR(across, trial.T_odom_camera, 0.1, 1e-3);
+  // A turn with a step aside, which hardly changes what is seen of the walls, is left to the guess as well.
+  EXPECT_POSE_NEAR(across, trial.T_odom_camera, 0.3, 0.015);
 }
 
 // What geometry leaves free, texture holds: along a wall, along a corridor, and for a colour camera that
@@ -286,7 +288,8 @@ TEST(Tracker, ASensorsMotionHoldsWhatGeometryLeavesFree) {
     EXPECT_EQ(result.quality.free_directions, 0);
     EXPECT_EQ(result.status, TrackingStatus::kGood);
     EXPECT_POSE_NEAR(result.T_odom_camera, trial.T_odom_camera, 0.05, 1e-3);
-    EXPECT_GT(result.information.diagonal().tail<3>().minCoeff(), 0.9 / (sigma_m * sigma_m));
+    EXPECT_LT(result.information.diagonal().tail<3>().minCoeff(), 1e-3 / (sigma_m * sigma_m))
+        << "what the frame itself measures";
   }
   trial.motion_information = information_in_odom(trial, 0.02, 0.04);
   EXPECT_EQ(trial.run().quality.free_directions, 3) << "too vague to hold anything";
