@@ -11,12 +11,6 @@ namespace {
 // For whoever watches; a change of the tracking is told at once.
 constexpr int64_t kFramesPerStatus = 30;
 
-bool is_fallback(const StampedPose& pose) {
-  return pose.status != TrackingStatus::kGood || pose.source == PoseSource::kFeatures ||
-         pose.source == PoseSource::kPairwise || pose.source == PoseSource::kRelocalised ||
-         pose.source == PoseSource::kPrior;
-}
-
 }  // namespace
 
 Collector::Collector(const exec::Device& device, const Calibration& calibration,
@@ -52,7 +46,7 @@ FrameReport Collector::process(const RgbdFrame& frame) {
     model_ = clock_.measure("raycast", [&] { return &volume_.raycast(T_odom_camera); });
     clock_.measure("remember", [&] { odometry_.remember(maps, *model_); });
   });
-  if (is_fallback(report.pose)) clock_.add("frame_fallback", clock_.last_ms());
+  if (odometry_.tried_fallbacks()) clock_.add("frame_fallback", clock_.last_ms());
   return report;
 }
 

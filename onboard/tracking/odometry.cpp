@@ -82,9 +82,11 @@ void Odometry::remember(const FrameMaps& maps, const ModelView& model) {
 StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, const PredictSurface& predict,
                             int64_t sequence) {
   keyframes_.look_at(maps);
+  tried_fallbacks_ = false;
   if (!model) return start_segment(maps, sequence);
   motion_ = motion_prior_.between(last_good_.timestamp_us, maps.timestamp_us);
   Estimate estimate;
+  tried_fallbacks_ = candidate_.has_value();
   if (const auto confirmed = confirm(maps, predict)) {
     estimate = *confirmed;
   } else {
@@ -140,6 +142,7 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
   const Pose T_odom_guess = T_odom_last * T_last_turned;
   attempt(&reference_, T_odom_guess, view_at(T_odom_last), PoseSource::kModel);
   if (best.is_sure) return best;
+  tried_fallbacks_ = true;
 
   const auto found = keyframes_.find_near(last_good_.segment, T_odom_guess);
   if (found && found->alignment.status == FeatureStatus::kOk) {
@@ -159,6 +162,8 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
         tracker_.track(maps, views_.view(last_surface_, T_odom_last), nullptr, guess_at(T_odom_last));
     if (pairwise.status == TrackingStatus::kGood)
       attempt(nullptr, pairwise.T_odom_camera, view_at(pairwise.T_odom_camera), PoseSource::kPairwise);
+  } else {
+    attempt(nullptr, T_odom_last, view_at(T_odom_last), PoseSource::kModel);  // it may never have moved
   }
   return best;
 }

@@ -40,6 +40,8 @@ class Odometry {
 
   /// What the tracker found for the last frame, whatever became of it.
   const TrackResult& last_result() const { return result_; }
+  /// Whether more than the one attempt that serves most frames was made for it.
+  bool tried_fallbacks() const { return tried_fallbacks_; }
   /// Sequence and pose of the last good frame.
   const StampedPose& last_good() const { return last_good_; }
 
@@ -100,6 +102,7 @@ class Odometry {
   int64_t unconstrained_us_ = 0;  // how long the good frames have left a direction to the motion model
   int64_t usable_lost_us_ = 0;    // time of usable frames since the last good one
   int frames_since_good_ = 0;
+  bool tried_fallbacks_ = false;
 };
 
 }  // namespace kt
