@@ -37,21 +37,23 @@ const std::vector<Feature>& KeyframeTracker::features() {
 std::optional<KeyframeTracker::Found> KeyframeTracker::find_near(int segment, const Pose& T_odom_guess) {
   const auto nearest = store_.nearest(segment, T_odom_guess, maps_->timestamp_us - kRecent_us);
   if (!nearest || nearest->distance > kNear) return std::nullopt;
-  const StoredKeyframe& keyframe = store_.at(nearest->index);
-  const FeatureAlignment alignment =
-      align_features(keyframe.features, features(), camera_, config_.min_feature_inliers);
-  return Found{nearest->index, alignment, keyframe.T_odom_camera * alignment.T_a_b};
+  return find_at(nearest->index, config_.min_feature_inliers);
+}
+
+KeyframeTracker::Found KeyframeTracker::find_at(int keyframe, int min_inliers) {
+  const StoredKeyframe& stored = store_.at(keyframe);
+  const FeatureAlignment alignment = align_features(stored.features, features(), camera_, min_inliers);
+  return {keyframe, alignment, stored.T_odom_camera * alignment.T_a_b};
 }
 
 std::optional<KeyframeTracker::Found> KeyframeTracker::find_anywhere() {
   std::optional<Found> best;
   for (const int index : store_.candidates(store_.code_of(*maps_), kAlike, kInTurn)) {
-    const StoredKeyframe& keyframe = store_.at(index);
-    const FeatureAlignment alignment =
-        align_features(keyframe.features, features(), camera_, config_.min_relocalisation_inliers);
-    if (alignment.status != FeatureStatus::kOk || (best && alignment.inliers <= best->alignment.inliers))
+    const Found found = find_at(index, config_.min_relocalisation_inliers);
+    if (found.alignment.status != FeatureStatus::kOk ||
+        (best && found.alignment.inliers <= best->alignment.inliers))
       continue;
-    best = Found{index, alignment, keyframe.T_odom_camera * alignment.T_a_b};
+    best = found;
   }
   return best;
 }

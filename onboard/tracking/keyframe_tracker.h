@@ -30,6 +30,9 @@ class KeyframeTracker {
   /// From the recent keyframe of `segment` nearest to the guess; nothing where there is none near.
   std::optional<Found> find_near(int segment, const Pose& T_odom_guess);
 
+  /// From one keyframe.
+  Found find_at(int keyframe, int min_inliers);
+
   /// From any keyframe: that with the most inliers of some that look alike, and of a few more in turn.
   std::optional<Found> find_anywhere();
 

@@ -264,9 +264,9 @@ std::optional<Odometry::Estimate> Odometry::confirm(const FrameMaps& maps, const
   const Candidate candidate = *std::exchange(candidate_, std::nullopt);
   const double dt_s = seconds(candidate.timestamp_us, maps.timestamp_us);
   if (dt_s > kLongestConfirmation_s) return std::nullopt;
-  Pose T_guess = candidate.T_odom_camera;
-  const auto found = keyframes_.find_near(keyframes_.keyframe(candidate.keyframe).segment, T_guess);
-  if (found && found->alignment.status == FeatureStatus::kOk) T_guess = found->T_odom_camera;
+  const auto found = keyframes_.find_at(candidate.keyframe, config_.min_feature_inliers);
+  const Pose& T_guess =
+      found.alignment.status == FeatureStatus::kOk ? found.T_odom_camera : candidate.T_odom_camera;
   const Estimate estimate = by_keyframe(maps, predict, candidate.keyframe, T_guess);
   const Pose T_step = candidate.T_odom_camera.inverse() * estimate.result.T_odom_camera;
   const double factor = step_factor(dt_s);
