@@ -14,8 +14,13 @@ PoseGraph odometry_graph(const Trajectory& poses, std::span<const LoopClosure> l
                          [](const StampedPose& pose, int64_t wanted) { return pose.sequence < wanted; });
     return found != poses.end() && found->sequence == sequence ? &*found : nullptr;
   };
+  // What hangs on the first good pose is the graph; lost ones before it hang on nothing.
+  const auto first_good = std::find_if(poses.begin(), poses.end(), [](const StampedPose& pose) {
+    return pose.status == TrackingStatus::kGood;
+  });
+  const StampedPose* fixed = first_good != poses.end() ? &*first_good : poses.data();
   for (const StampedPose& pose : poses) {
-    graph.nodes.push_back({pose.sequence, pose.T_odom_camera, graph.nodes.empty()});
+    graph.nodes.push_back({pose.sequence, pose.T_odom_camera, &pose == fixed});
     if (pose.from_sequence >= pose.sequence) continue;  // it begins the segment
     const StampedPose* from = find(pose.from_sequence);
     if (!from) continue;

@@ -39,8 +39,14 @@ std::vector<DescriptorPair> descriptor_pairs() {
   return pairs;
 }
 
-int64_t cell_count(const PinholeParams& camera) {
-  return int64_t{DetectFeature::cells_across(camera.width)} * DetectFeature::cells_across(camera.height);
+// Pixels: so that larger images have no more features than 640 x 480, which is what the budget of a frame
+// allows.
+int cell_side(const PinholeParams& finest) {
+  return std::max(DetectFeature::kSmallestCellSide, (finest.width + 20) / 40);
+}
+
+int64_t cell_count(const PinholeParams& camera, int side) {
+  return int64_t{camera.width / side} * (camera.height / side);
 }
 
 }  // namespace
@@ -57,7 +63,8 @@ FeatureDetector::FeatureDetector(const exec::Device& device, const Calibration& 
   const PinholeParams finest = calibration.colour.pinhole().half();
   smoothed_ = {device, finest.pixel_count()};
   scores_ = {device, finest.pixel_count()};
-  detected_ = {device, cell_count(finest)};
+  cell_side_ = cell_side(finest);
+  detected_ = {device, cell_count(finest, cell_side_)};
   const std::vector<DescriptorPair> pairs = descriptor_pairs();
   pairs_ = {device, static_cast<int64_t>(pairs.size())};
   pairs_.upload(pairs);
@@ -74,12 +81,12 @@ std::vector<Feature> FeatureDetector::detect(const FrameMaps& maps) {
     exec::for_each_pixel(device_, camera.width, camera.height,
                          SmoothIntensity{intensity.view(), smoothed_.data()});
     exec::for_each_pixel(device_, camera.width, camera.height, ScoreCorner{smoothed, scores_.data()});
-    exec::for_each(device_, cell_count(camera),
-                   DetectFeature{smoothed, scores_.data(), kMinScore, camera, surface.depth_view(),
-                                 surface.camera, to_rigid3f(T_colour_depth_),
+    exec::for_each(device_, cell_count(camera, cell_side_),
+                   DetectFeature{cell_side_, smoothed, scores_.data(), kMinScore, camera,
+                                 surface.depth_view(), surface.camera, to_rigid3f(T_colour_depth_),
                                  to_rigid3f(T_colour_depth_.inverse()), pairs_.data(), detected_.data()});
     const double scale = 1 << level;
-    for (const DetectedFeature& found : detected_.downloaded(cell_count(camera))) {
+    for (const DetectedFeature& found : detected_.downloaded(cell_count(camera, cell_side_))) {
       if (!found.is_found) continue;
       Feature feature;
       feature.pixel = {scale * (static_cast<double>(found.u) + 0.5) - 0.5,

@@ -30,6 +30,7 @@ class FeatureDetector {
  private:
   exec::Device device_;
   Pose T_colour_depth_;
+  int cell_side_ = 0;
   exec::Buffer<float> smoothed_, scores_;
   exec::Buffer<DescriptorPair> pairs_;
   exec::Buffer<DetectedFeature> detected_;

@@ -86,9 +86,10 @@ struct DetectedFeature {
 /// The best corner of one cell of the image that has a depth, if there is one: so features spread over the
 /// image, and need no sorting.
 struct DetectFeature {
-  static constexpr int kCellSide = 8;
+  static constexpr int kSmallestCellSide = 8;
   static constexpr int kReach = 13;  // pixels from the corner that the descriptor may look at
 
+  int32_t cell_side;     // pixels
   IntensityView image;   // smoothed
   const float* scores;   // of the same size
   float min_score;       // square grey levels per square pixel
@@ -99,7 +100,7 @@ struct DetectFeature {
   const DescriptorPair* pairs;  // one per bit
   DetectedFeature* features;    // out, by cell
 
-  KT_HOST_DEVICE static int cells_across(int pixels) { return pixels / kCellSide; }
+  KT_HOST_DEVICE int cells_across(int pixels) const { return pixels / cell_side; }
 
   KT_HOST_DEVICE void operator()(int64_t cell) const {
     DetectedFeature feature;
@@ -144,12 +145,12 @@ struct DetectFeature {
 
   KT_HOST_DEVICE bool find_corner(int64_t cell, int* best_u, int* best_v) const {
     const int across = cells_across(image.width);
-    const int first_u = static_cast<int>(cell % across) * kCellSide,
-              first_v = static_cast<int>(cell / across) * kCellSide;
+    const int first_u = static_cast<int>(cell % across) * cell_side,
+              first_v = static_cast<int>(cell / across) * cell_side;
     float best = min_score;
     bool is_found = false;
-    for (int v = first_v; v < first_v + kCellSide; ++v) {
-      for (int u = first_u; u < first_u + kCellSide; ++u) {
+    for (int v = first_v; v < first_v + cell_side; ++v) {
+      for (int u = first_u; u < first_u + cell_side; ++u) {
         if (u <= kReach || v <= kReach || u >= image.width - kReach || v >= image.height - kReach) continue;
         Vec3f p_camera;
         if (score(u, v) <= best || !is_peak(u, v) ||
@@ -233,6 +234,10 @@ struct PlaceBit {
   DepthView depth;
   const Pair* pairs;  // one per bit
   uint8_t* bits;      // out: 0 or 1
+
+  static bool is_large_enough(IntensityView image) {
+    return image.width > 2 * kRadius && image.height > 2 * kRadius;
+  }
 
   KT_HOST_DEVICE void operator()(int64_t i) const {
     const Pair pair = pairs[i];

@@ -43,7 +43,7 @@ KeyframeStore::KeyframeStore(const exec::Device& device, int capacity)
 PlaceCode KeyframeStore::code_of(const FrameMaps& maps) {
   const SurfaceLevel& surface = maps.levels.back();
   IntensityView intensity = maps.intensity.level(kIntensityLevels - 1).view();
-  if (!maps.has_colour) intensity.levels = nullptr;
+  if (!maps.has_colour || !PlaceBit::is_large_enough(intensity)) intensity.levels = nullptr;
   exec::for_each(device_, kBits, PlaceBit{intensity, surface.depth_view(), pairs_.data(), bits_.data()});
   const std::vector<uint8_t> bits = bits_.downloaded();
   PlaceCode code{};

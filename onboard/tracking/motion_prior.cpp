@@ -3,6 +3,7 @@
 #include "onboard/tracking/motion_prior.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace kt {
 namespace {
@@ -83,8 +84,10 @@ std::optional<RelativeMotion> MotionPrior::between(int64_t from_us, int64_t to_u
     // stretch.
     const Matrix6d to_from = adjoint(motion.T_from_to * exp_se3(twist * (dt_s / 2)));
     Vector6d variance;
-    variance << Eigen::Vector3d::Constant(stretch->sample->rotation_sigma * stretch->sample->rotation_sigma),
-        Eigen::Vector3d::Constant(stretch->sample->translation_sigma * stretch->sample->translation_sigma);
+    // Claims beyond reason would leave the numbers' range.
+    const auto square = [](double sigma) { return std::pow(std::clamp(sigma, 1e-6, 1e3), 2); };
+    variance << Eigen::Vector3d::Constant(square(stretch->sample->rotation_sigma)),
+        Eigen::Vector3d::Constant(square(stretch->sample->translation_sigma));
     covariance += to_from * (variance * dt_s).asDiagonal() * to_from.transpose();
     motion.T_from_to = orthonormalised(motion.T_from_to * exp_se3(twist * dt_s));
   }

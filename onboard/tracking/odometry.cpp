@@ -45,6 +45,7 @@ constexpr double kLeastKeyframeOverlap = 0.3, kLongestConfirmation_s = 0.5;
 
 // What covers a lens is nearer, and blurred.
 constexpr double kNotAHand_m = 0.6;
+constexpr int kFeaturesOfAPlace = 30;
 
 // Of the time between two frames, this much counts as search: a gap is none.
 constexpr int64_t kLongestSearch_us = 200'000;
@@ -91,17 +92,18 @@ StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, const
     estimate = *confirmed;
   } else {
     estimate = follow(maps, *model, predict);
+    doubt(maps, estimate);
     const bool is_search = estimate.result.status != TrackingStatus::kGood && frames_since_good_ > 0;
     if (is_search) {
       if (const auto found = relocalise(maps, predict)) estimate = *found;
     }
-    if (estimate.result.status == TrackingStatus::kLost && motion_ && motion_->has_rotation &&
-        motion_->has_translation)
-      estimate = dead_reckoned(estimate);
+    if (estimate.result.status == TrackingStatus::kLost && is_carried()) estimate = dead_reckoned(estimate);
   }
   if (estimate.result.status != TrackingStatus::kGood && shows_a_place(maps)) {
     usable_lost_us_ += std::min(maps.timestamp_us - last_us_, kLongestSearch_us);
-    if (static_cast<double>(usable_lost_us_) * 1e-6 >= config_.new_segment_after_s)
+    // One that was found just now has a frame more to be confirmed.
+    const int64_t patience_us = candidate_ ? kLongestSearch_us : 0;
+    if (static_cast<double>(usable_lost_us_ - patience_us) * 1e-6 >= config_.new_segment_after_s)
       return start_segment(maps, sequence);
   }
   return conclude(maps, estimate, sequence);
@@ -140,7 +142,7 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
   Pose T_last_turned = predicted_motion(dt_s);
   T_last_turned.linear() = rotation_aligner_.align(maps, T_last_turned.linear());
   const Pose T_odom_guess = T_odom_last * T_last_turned;
-  attempt(&reference_, T_odom_guess, view_at(T_odom_last), PoseSource::kModel);
+  attempt(&reference_, T_odom_guess, view_at(T_odom_last * carried_motion()), PoseSource::kModel);
   if (best.is_sure) return best;
   tried_fallbacks_ = true;
 
@@ -156,7 +158,7 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
       attempt(&reference_, found->T_odom_camera, view_at(found->T_odom_camera), PoseSource::kFeatures);
       if (!agree() && !best.is_sure) return uncertain(best, *found);
     }
-    best.is_sure = true;
+    best.is_sure = best.has_witness = true;
   } else if (dt_s <= kLongestPairwise_s) {
     const TrackResult pairwise =
         tracker_.track(maps, views_.view(last_surface_, T_odom_last), nullptr, guess_at(T_odom_last));
@@ -166,6 +168,24 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
     attempt(nullptr, T_odom_last, view_at(T_odom_last), PoseSource::kModel);  // it may never have moved
   }
   return best;
+}
+
+void Odometry::doubt(const FrameMaps& maps, Estimate& estimate) const {
+  TrackResult& result = estimate.result;
+  if (result.status != TrackingStatus::kGood) return;
+  // Without a good frame the motion model carries on alone.
+  if (result.quality.free_directions > 0 && !estimate.has_witness)
+    estimate.unconstrained_us = unconstrained_us_ + maps.timestamp_us - last_good_.timestamp_us;
+  const bool is_gap = last_interval_us_ > 0 && 2 * (maps.timestamp_us - last_us_) > 5 * last_interval_us_;
+  // After a gap, or frames that were doubtful, a fair fit may be a wrong one.
+  if ((frames_since_good_ > 0 || is_gap) && !estimate.is_sure &&
+      result.quality.inlier_share < config_.return_inlier_share) {
+    result.status = TrackingStatus::kUncertain;
+    result.cause = TrackingCause::kUnconfirmed;
+  } else if (static_cast<double>(estimate.unconstrained_us) * 1e-6 > config_.max_unconstrained_s) {
+    result.status = TrackingStatus::kUncertain;
+    result.cause = TrackingCause::kUnconstrained;
+  }
 }
 
 Odometry::Estimate Odometry::uncertain(const Estimate& contradicted,
@@ -195,6 +215,10 @@ Pose Odometry::sensed_motion(const Pose& T_last_guess) const {
   }
   return T_last_now;
 }
+
+bool Odometry::is_carried() const { return motion_ && motion_->has_rotation && motion_->has_translation; }
+
+Pose Odometry::carried_motion() const { return is_carried() ? motion_->T_from_to : Pose::Identity(); }
 
 Matrix6d Odometry::edge_information(const Matrix6d& measured, const Pose& T_last_current, double dt_s) const {
   const auto both = [](double rotation, double translation) {
@@ -240,8 +264,10 @@ Odometry::Estimate Odometry::by_model(const FrameMaps& maps, const ModelView& mo
   estimate.information =
       transported(estimate.result.information, model.T_odom_camera.inverse() * last_good_.T_odom_camera);
   const double factor = step_factor(seconds(last_good_.timestamp_us, maps.timestamp_us));
-  const Pose T_last_current = last_good_.T_odom_camera.inverse() * estimate.result.T_odom_camera;
-  if (!is_within(T_last_current, factor * config_.max_step_m, factor * config_.max_step_deg * kDegree)) {
+  const Pose T_expected_current =
+      (last_good_.T_odom_camera * carried_motion()).inverse() * estimate.result.T_odom_camera;
+  if (estimate.result.status != TrackingStatus::kLost &&
+      !is_within(T_expected_current, factor * config_.max_step_m, factor * config_.max_step_deg * kDegree)) {
     estimate.result.status = TrackingStatus::kLost;
     estimate.result.cause = TrackingCause::kLargeStep;
   }
@@ -263,7 +289,8 @@ std::optional<Odometry::Estimate> Odometry::confirm(const FrameMaps& maps, const
   if (!candidate_) return std::nullopt;
   const Candidate candidate = *std::exchange(candidate_, std::nullopt);
   const double dt_s = seconds(candidate.timestamp_us, maps.timestamp_us);
-  if (dt_s > kLongestConfirmation_s) return std::nullopt;
+  if (dt_s > std::max(kLongestConfirmation_s, 2e-6 * static_cast<double>(last_interval_us_)))
+    return std::nullopt;
   const auto found = keyframes_.find_at(candidate.keyframe, config_.min_feature_inliers);
   const Pose& T_guess =
       found.alignment.status == FeatureStatus::kOk ? found.T_odom_camera : candidate.T_odom_camera;
@@ -309,8 +336,9 @@ Odometry::Estimate Odometry::by_keyframe(const FrameMaps& maps, const PredictSur
 }
 
 bool Odometry::shows_a_place(const FrameMaps& maps) {
-  const bool is_textured = keyframes_.feature_count() >= 2 * config_.min_feature_inliers;
-  return Tracker::measured_share(maps, is_textured ? 0 : kNotAHand_m) >= config_.min_measured_share;
+  const bool may_be_a_hand =
+      segments_ > 0 && maps.has_colour && keyframes_.feature_count() < kFeaturesOfAPlace;
+  return Tracker::measured_share(maps, may_be_a_hand ? kNotAHand_m : 0) >= config_.min_measured_share;
 }
 
 StampedPose Odometry::start_segment(const FrameMaps& maps, int64_t sequence) {
@@ -332,21 +360,6 @@ StampedPose Odometry::conclude(const FrameMaps& maps, const Estimate& estimate, 
   const double dt_s = seconds(last_good_.timestamp_us, maps.timestamp_us);
   const bool is_followed =
       estimate.source != PoseSource::kStart && estimate.source != PoseSource::kRelocalised;
-  // Without a good frame the motion model carries on alone.
-  const int64_t unconstrained_us = is_followed && result_.quality.free_directions > 0
-                                       ? unconstrained_us_ + maps.timestamp_us - last_good_.timestamp_us
-                                       : 0;
-  if (result_.status == TrackingStatus::kGood && is_followed) {
-    // After a gap, or frames that were doubtful, a fair fit may be a wrong one.
-    const bool is_return = frames_since_good_ > 0 || 2 * interval_us > 5 * last_interval_us_;
-    if (is_return && !estimate.is_sure && result_.quality.inlier_share < config_.return_inlier_share) {
-      result_.status = TrackingStatus::kUncertain;
-      result_.cause = TrackingCause::kUnconfirmed;
-    } else if (static_cast<double>(unconstrained_us) * 1e-6 > config_.max_unconstrained_s) {
-      result_.status = TrackingStatus::kUncertain;
-      result_.cause = TrackingCause::kUnconstrained;
-    }
-  }
 
   StampedPose pose;
   pose.sequence = sequence;
@@ -368,7 +381,7 @@ StampedPose Odometry::conclude(const FrameMaps& maps, const Estimate& estimate, 
                     ? Vector6d(log_se3(last_good_.T_odom_camera.inverse() * pose.T_odom_camera) / dt_s)
                     : Vector6d(Vector6d::Zero());
     if (!is_followed) reference_.forget();
-    unconstrained_us_ = unconstrained_us;
+    unconstrained_us_ = estimate.unconstrained_us;
     last_good_ = pose;
     exposure_ = result_.exposure;
     frames_since_good_ = 0;
@@ -384,6 +397,10 @@ StampedPose Odometry::conclude(const FrameMaps& maps, const Estimate& estimate, 
       pose.segment = last_good_.segment;
       pose.source = PoseSource::kNone;
       pose.information = Matrix6d::Identity();  // 1 rad and 1 m
+      if (segments_ == 0) {                     // nothing to stand at yet
+        pose.from_sequence = sequence;
+        pose.information.setZero();
+      }
     }
   }
   last_interval_us_ = interval_us;

@@ -38,7 +38,7 @@ class Odometry {
   /// it is refused, as MotionPrior::add does.
   bool add_motion_sample(const MotionSample& sample) { return motion_prior_.add(sample); }
 
-  /// What the tracker found for the last frame, whatever became of it.
+  /// The fit behind the last frame's pose, with the verdict on it.
   const TrackResult& last_result() const { return result_; }
   /// Whether more than the one attempt that serves most frames was made for it.
   bool tried_fallbacks() const { return tried_fallbacks_; }
@@ -53,7 +53,10 @@ class Odometry {
     Matrix6d information = Matrix6d::Zero();  // of the edge from `from`
     int64_t from_sequence = 0;
     int segment = 0;
-    bool is_sure = false;  // the fallbacks have nothing to add
+    bool is_sure = false;      // the fallbacks have nothing to add
+    bool has_witness = false;  // features say the same
+    int64_t unconstrained_us =
+        0;  // how long good frames have left a direction to the motion model, with this one
   };
   /// A camera found again, whose next frame is to confirm it.
   struct Candidate {
@@ -66,10 +69,15 @@ class Odometry {
   Pose predicted_motion(double dt_s) const;
   /// What another sensor says of that, completed by the guess.
   Pose sensed_motion(const Pose& T_last_guess) const;
+  /// Whether another sensor measures all of the motion; what it says then, else none.
+  bool is_carried() const;
+  Pose carried_motion() const;
   /// What an edge between two good frames tells, by what the tracker measured against the model.
   Matrix6d edge_information(const Matrix6d& measured, const Pose& T_last_current, double dt_s) const;
   Estimate dead_reckoned(const Estimate& lost) const;
   Estimate follow(const FrameMaps& maps, const ModelView& model, const PredictSurface& predict);
+  /// Takes back what is not to be believed after what came before.
+  void doubt(const FrameMaps& maps, Estimate& estimate) const;
   /// The features' pose, where the surface does not bear it out.
   Estimate uncertain(const Estimate& contradicted, const KeyframeTracker::Found& found) const;
   Estimate by_model(const FrameMaps& maps, const ModelView& model, const PhotometricReference* reference,
@@ -99,7 +107,7 @@ class Odometry {
   std::optional<Candidate> candidate_;
   int segments_ = 0;
   int64_t last_us_ = 0, last_interval_us_ = 0;
-  int64_t unconstrained_us_ = 0;  // how long the good frames have left a direction to the motion model
+  int64_t unconstrained_us_ = 0;  // of the last good frame
   int64_t usable_lost_us_ = 0;    // time of usable frames since the last good one
   int frames_since_good_ = 0;
   bool tried_fallbacks_ = false;

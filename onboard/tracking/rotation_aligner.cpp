@@ -74,6 +74,7 @@ Eigen::Matrix3d RotationAligner::align(const FrameMaps& maps, const Eigen::Matri
              colour_interval_us = static_cast<double>(maps.colour_timestamp_us - last_colour_us_);
   if (!has_last_ || !maps.has_colour || interval_us <= 0 || colour_interval_us <= 0) return R_guess;
   const double scale = colour_interval_us / interval_us;
+  if (scale < 0.5 || scale > 2) return R_guess;
   const IntensityLevel& intensity = maps.intensity.level(kLevel);
   const int64_t pixels = intensity.camera.pixel_count();
   Eigen::Matrix3d R_last_current =

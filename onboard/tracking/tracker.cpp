@@ -90,7 +90,8 @@ struct JointEquations {
 
 // Gauss-Newton step; zero along the eigenvectors of the normalised Hessian that nothing constrains.
 // `weights`: information of a direction that every geometric residual constrains.
-Vector6d solve(const JointEquations& equations, double weights, double min_eigenvalue,
+// `held` projects onto the directions that are constrained.
+Vector6d solve(const JointEquations& equations, double weights, double min_eigenvalue, Matrix6d* held,
                TrackingQuality* quality) {
   const Vector6d scale = lever_scale();
   const Matrix6d normalised = scale.asDiagonal() * (equations.A() / weights) * scale.asDiagonal();
@@ -101,12 +102,15 @@ Vector6d solve(const JointEquations& equations, double weights, double min_eigen
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(normalised);
   quality->conditioning = std::max(0.0, eigen.eigenvalues()(0));
   quality->free_directions = 0;
+  *held = Matrix6d::Identity();
   Vector6d step = Vector6d::Zero();
   for (int k = 0; k < 6; ++k) {
     const Vector6d direction = eigen.eigenvectors().col(k);
     const double by_geometry = std::max(0.0, direction.dot(geometric * direction) - kNormalNoise),
                  by_others = direction.dot(other * direction);
-    if (by_geometry + by_others / weights < min_eigenvalue && by_others < kLeastOtherInformation) {
+    if (eigen.eigenvalues()(k) <= 0 ||
+        (by_geometry + by_others / weights < min_eigenvalue && by_others < kLeastOtherInformation)) {
+      *held -= scale.cwiseInverse().asDiagonal() * direction * direction.transpose() * scale.asDiagonal();
       ++quality->free_directions;
       continue;
     }
@@ -145,6 +149,7 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
   Pose T_model_current = model.T_odom_camera.inverse() * guess.T_odom_camera;
   exec::NormalEquations geometric;
   JointEquations joint;
+  Matrix6d held = Matrix6d::Identity();
   double sigma = kFirstSigma;
   for (int level = kPyramidLevels - 1; level >= 0; --level) {
     for (int iteration = 0; iteration < config_.iterations[static_cast<size_t>(level)]; ++iteration) {
@@ -173,7 +178,7 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
       if (has_motion)
         joint.add_motion(motion_information, log_se3(T_model_current * T_model_motion.inverse()));
       const double weights = geometric.weights / (kGeometricCorrelation * chi_square);
-      const Vector6d step = solve(joint, weights, config_.min_eigenvalue, &result.quality);
+      const Vector6d step = solve(joint, weights, config_.min_eigenvalue, &held, &result.quality);
       const Eigen::Vector2d exposure_step = joint.exposure_step(step);
       result.exposure.gain += static_cast<float>(exposure_step(0));
       result.exposure.bias += kBiasUnit * static_cast<float>(exposure_step(1));
@@ -188,7 +193,8 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
     return result;
   }
   result.quality.residual_m = std::sqrt(geometric.weighted_squares / geometric.weights);
-  result.information = joint.A_geometric + kPhotometricTrust * joint.A_photometric;
+  result.information =
+      held * (joint.A_geometric + kPhotometricTrust * joint.A_photometric) * held.transpose();
   judge(maps, model, T_model_current, &result);
   return result;
 }
@@ -231,7 +237,9 @@ double Tracker::measured_share(const FrameMaps& maps, double beyond_m) {
 }
 
 Pose shutter_motion(const FrameMaps& maps, const Vector6d& velocity) {
-  return exp_se3(velocity * (static_cast<double>(maps.colour_timestamp_us - maps.timestamp_us) * 1e-6));
+  constexpr double kLargestDelay_s = 0.1;  // beyond, the stamps are not of one clock
+  const double delay_s = static_cast<double>(maps.colour_timestamp_us - maps.timestamp_us) * 1e-6;
+  return std::abs(delay_s) <= kLargestDelay_s ? exp_se3(velocity * delay_s) : Pose::Identity();
 }
 
 }  // namespace kt

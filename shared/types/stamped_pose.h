@@ -63,7 +63,7 @@ struct StampedPose {
   int64_t timestamp_us = 0;
   Pose T_odom_camera = Pose::Identity();
   /// Sequence of the frame that this one was measured against, at which its edge starts: the last good one
-  /// before it, after a relocalisation the keyframe; of the first pose of a segment its own.
+  /// before it, or a keyframe where its features gave the pose; of the first pose of a segment its own.
   int64_t from_sequence = 0;
   /// Information of that edge: inverse covariance of the left perturbation xi of T_from_current, [rotation
   /// (rad); translation (m)]. Zero for the first pose of a segment.

@@ -39,6 +39,18 @@ TEST(OdometryGraph, EdgesStartWhereThePoseWasMeasuredFrom) {
   EXPECT_TRUE(T.isApprox(poses[2].T_odom_camera, 1e-12));
 }
 
+TEST(OdometryGraph, FixesTheFirstGoodPose) {
+  Trajectory poses;
+  for (const int64_t sequence : {2, 3, 4}) poses.push_back(sample_stamped_pose(sequence));
+  poses[0].status = poses[1].status = TrackingStatus::kLost;
+  poses[2].status = TrackingStatus::kGood;
+  const PoseGraph graph = odometry_graph(poses, {});
+  ASSERT_EQ(graph.nodes.size(), 3u);
+  EXPECT_FALSE(graph.nodes[0].is_fixed);
+  EXPECT_FALSE(graph.nodes[1].is_fixed);
+  EXPECT_TRUE(graph.nodes[2].is_fixed);
+}
+
 TEST(OdometryGraph, EdgesFromPosesThatAreNotThereAreLeftOut) {
   Trajectory poses;
   for (const int64_t sequence : {2, 3, 4, 5, 6}) poses.push_back(sample_stamped_pose(sequence));

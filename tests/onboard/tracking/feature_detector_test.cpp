@@ -222,15 +222,15 @@ TEST(FeatureDetector, FeaturesSpreadOverTheImageOnePerCell) {
   for (const Feature& feature : features) {
     const Eigen::Vector2d at = ((feature.pixel.array() + 0.5) / (1 << feature.level) - 0.5).matrix();
     EXPECT_GE(at.minCoeff(), DetectFeature::kReach - 0.5);
-    cells.insert({feature.level, static_cast<int>(std::lround(at.x())) / DetectFeature::kCellSide,
-                  static_cast<int>(std::lround(at.y())) / DetectFeature::kCellSide});
+    cells.insert({feature.level, static_cast<int>(std::lround(at.x())) / DetectFeature::kSmallestCellSide,
+                  static_cast<int>(std::lround(at.y())) / DetectFeature::kSmallestCellSide});
     finest += feature.level == 0;
   }
   // A corner's place between pixels may round to the cell beside it.
   EXPECT_GE(cells.size(), features.size() * 95 / 100);
   const PinholeParams camera = view.colour_camera();
-  const int inner = (camera.width - 2 * DetectFeature::kReach) / DetectFeature::kCellSide *
-                    ((camera.height - 2 * DetectFeature::kReach) / DetectFeature::kCellSide);
+  const int inner = (camera.width - 2 * DetectFeature::kReach) / DetectFeature::kSmallestCellSide *
+                    ((camera.height - 2 * DetectFeature::kReach) / DetectFeature::kSmallestCellSide);
   EXPECT_GT(finest, inner * 6 / 10);
   EXPECT_LT(static_cast<size_t>(finest), features.size()) << "coarser levels show some too";
 }

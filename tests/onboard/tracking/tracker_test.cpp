@@ -147,6 +147,7 @@ TEST(Tracker, KeepsTheGuessAlongABareCorridor) {
   trial.T_odom_guess = pose_of({0, 0, 0}, {0, 0, 0.07});
   const TrackResult result = trial.run();
   EXPECT_GT(result.quality.free_directions, 0);
+  EXPECT_LT(result.information(5, 5), 1e-3 * result.information(3, 3)) << "a guess is no measurement";
   EXPECT_NEAR(result.T_odom_camera.translation().z(), 0.07, 3e-3);
   Pose across = result.T_odom_camera;
   across.translation().z() = 0;
