@@ -40,6 +40,9 @@ constexpr double kSameView_m = 0.15, kSameView_rad = 10 * kDegree;
 // Poses of one frame found by different means agree within this.
 constexpr double kAgreement_m = 0.04, kAgreement_rad = 2 * kDegree;
 
+// Of the last good frame's inlier share.
+constexpr double kReturnShare = 0.9;
+
 // A camera that is found again shows so much of the keyframe, and is confirmed within this time.
 constexpr double kLeastKeyframeOverlap = 0.3, kLongestConfirmation_s = 0.5;
 
@@ -135,7 +138,7 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
       return std::tuple(e.result.status, -e.result.quality.inlier_share);
     };
     if (best.source == PoseSource::kNone || rank(estimate) < rank(best)) best = estimate;
-    best.is_sure = best.result.status == TrackingStatus::kGood &&
+    best.is_sure = best.result.status == TrackingStatus::kGood && !is_return(maps) &&
                    best.result.quality.inlier_share >= config_.sure_inlier_share;
   };
 
@@ -170,21 +173,25 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
   return best;
 }
 
+bool Odometry::is_return(const FrameMaps& maps) const {
+  const bool is_gap = last_interval_us_ > 0 && 2 * (maps.timestamp_us - last_us_) > 5 * last_interval_us_;
+  return frames_since_good_ > 0 || is_gap;
+}
+
 void Odometry::doubt(const FrameMaps& maps, Estimate& estimate) const {
   TrackResult& result = estimate.result;
   if (result.status != TrackingStatus::kGood) return;
   // Without a good frame the motion model carries on alone.
   if (result.quality.free_directions > 0 && !estimate.has_witness)
     estimate.unconstrained_us = unconstrained_us_ + maps.timestamp_us - last_good_.timestamp_us;
-  const bool is_gap = last_interval_us_ > 0 && 2 * (maps.timestamp_us - last_us_) > 5 * last_interval_us_;
-  // After a gap, or frames that were doubtful, a fair fit may be a wrong one.
-  if ((frames_since_good_ > 0 || is_gap) && !estimate.is_sure &&
-      result.quality.inlier_share < config_.return_inlier_share) {
-    result.status = TrackingStatus::kUncertain;
-    result.cause = TrackingCause::kUnconfirmed;
-  } else if (static_cast<double>(estimate.unconstrained_us) * 1e-6 > config_.max_unconstrained_s) {
+  // A fair fit may be a wrong one then; a right one fits about as well as the last good frame did.
+  const double asked = std::max(config_.return_inlier_share, kReturnShare * last_good_.quality.inlier_share);
+  if (static_cast<double>(estimate.unconstrained_us) * 1e-6 > config_.max_unconstrained_s) {
     result.status = TrackingStatus::kUncertain;
     result.cause = TrackingCause::kUnconstrained;
+  } else if (is_return(maps) && !estimate.is_sure && result.quality.inlier_share < asked) {
+    result.status = TrackingStatus::kUncertain;
+    result.cause = TrackingCause::kUnconfirmed;
   }
 }
 

@@ -76,6 +76,8 @@ class Odometry {
   Matrix6d edge_information(const Matrix6d& measured, const Pose& T_last_current, double dt_s) const;
   Estimate dead_reckoned(const Estimate& lost) const;
   Estimate follow(const FrameMaps& maps, const ModelView& model, const PredictSurface& predict);
+  /// Whether this is the first frame after a gap, or after frames that were not good.
+  bool is_return(const FrameMaps& maps) const;
   /// Takes back what is not to be believed after what came before.
   void doubt(const FrameMaps& maps, Estimate& estimate) const;
   /// The features' pose, where the surface does not bear it out.
