@@ -21,13 +21,13 @@ FrameViews::FrameViews(const exec::Device& device, const Calibration& calibratio
   view_.normals = {device, camera_.pixel_count()};
 }
 
-KeptSurface FrameViews::keep(const FrameMaps& maps, KeptSurface memory) const {
+KeptSurface keep_surface(const exec::Device& device, const FrameMaps& maps, KeptSurface memory) {
   const SurfaceLevel& level = maps.levels[kLevel];
   if (memory.depth.size() == 0)
-    memory.depth = {device_, DepthView::padded_size(camera_.width, camera_.height)};
+    memory.depth = {device, DepthView::padded_size(level.camera.width, level.camera.height)};
   memory.normal_step = level.normal_step;
   memory.max_slope = level.max_slope;
-  exec::for_each(device_, memory.depth.size(), CopyFloats{level.depth.data(), memory.depth.data()});
+  exec::for_each(device, memory.depth.size(), CopyFloats{level.depth.data(), memory.depth.data()});
   return memory;
 }
 

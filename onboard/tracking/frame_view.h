@@ -14,12 +14,12 @@ struct KeptSurface {
   float max_slope = 0;
 };
 
+/// The surface of a frame; `memory`, where given, is one that is not needed any more.
+KeptSurface keep_surface(const exec::Device& device, const FrameMaps& maps, KeptSurface memory = {});
+
 class FrameViews {
  public:
   FrameViews(const exec::Device& device, const Calibration& calibration);
-
-  /// `memory`, where given, is one that is not needed any more.
-  KeptSurface keep(const FrameMaps& maps, KeptSurface memory = {}) const;
 
   /// What a camera at T_odom_camera saw when `surface` was kept; stays valid until the next call.
   const ModelView& view(const KeptSurface& surface, const Pose& T_odom_camera);

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "onboard/tracking/edge_information.h"
+
 namespace kt {
 namespace {
 
@@ -21,14 +23,6 @@ constexpr double kLongestPairwise_s = 0.3;
 
 // A pose that is not good may be anywhere near: its edge must not outweigh a good one.
 constexpr double kUncertainInformation = 1e-2;
-
-// A frame is placed against the model, so most of its error is its own, and the next edge takes it back: of a
-// chain of edges this share of their variances lasts. Beside it the model drifts as it grows: variance per
-// radian turned (rad^2) and per metre gone (m^2). Calibrated on synthetic missions, docs/tracking.md.
-constexpr double kLastingShare = 1.0 / 300, kDriftPerTurn = 1e-7, kDriftPerMove = 1e-6;
-
-// Where nothing is measured the motion is guessed, to so much (rad/s, m/s).
-constexpr double kGuessedTurn = 0.2, kGuessedMove = 0.1;
 
 // Steps are limited as if frames came at this rate; after a gap the camera may have gone farther, up to this
 // factor.
@@ -64,7 +58,8 @@ double step_factor(double dt_s) { return std::clamp(dt_s * kFrameRate_hz, 1.0, k
 }  // namespace
 
 Odometry::Odometry(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config)
-    : config_(config),
+    : device_(device),
+      config_(config),
       tracker_(device, calibration, config),
       rotation_aligner_(device, calibration),
       reference_(device, calibration, calibration.depth.pinhole().half().pixel_count()),
@@ -73,7 +68,7 @@ Odometry::Odometry(const exec::Device& device, const Calibration& calibration, c
 
 void Odometry::remember(const FrameMaps& maps, const ModelView& model) {
   rotation_aligner_.remember(maps);
-  last_surface_ = views_.keep(maps, std::move(last_surface_));
+  last_surface_ = keep_surface(device_, maps, std::move(last_surface_));
   keyframes_.remember(last_good_.sequence, last_good_.segment, last_good_.T_odom_camera);
   const Pose T_reference_model = reference_.T_odom_reference().inverse() * model.T_odom_camera;
   const bool is_near =
@@ -227,26 +222,6 @@ bool Odometry::is_carried() const { return motion_ && motion_->has_rotation && m
 
 Pose Odometry::carried_motion() const { return is_carried() ? motion_->T_from_to : Pose::Identity(); }
 
-Matrix6d Odometry::edge_information(const Matrix6d& measured, const Pose& T_last_current, double dt_s) const {
-  const auto both = [](double rotation, double translation) {
-    Vector6d diagonal;
-    diagonal << Eigen::Vector3d::Constant(rotation), Eigen::Vector3d::Constant(translation);
-    return diagonal;
-  };
-  const auto inverse = [](const Matrix6d& A) -> Matrix6d {
-    const Matrix6d result = A.llt().solve(Matrix6d::Identity());
-    return (result + result.transpose()) / 2;
-  };
-  const double turn = kGuessedTurn * dt_s, move = kGuessedMove * dt_s;
-  Matrix6d information = measured / kLastingShare;
-  information.diagonal() += both(1 / (turn * turn), 1 / (move * move));
-  if (motion_) information += motion_->information;
-  Matrix6d covariance = inverse(information);
-  covariance.diagonal() += both(kDriftPerTurn * rotation_angle(T_last_current),
-                                kDriftPerMove * T_last_current.translation().norm());
-  return inverse(covariance);
-}
-
 Odometry::Estimate Odometry::dead_reckoned(const Estimate& lost) const {
   Estimate estimate;
   estimate.result.T_odom_camera = last_good_.T_odom_camera * motion_->T_from_to;
@@ -381,8 +356,9 @@ StampedPose Odometry::conclude(const FrameMaps& maps, const Estimate& estimate, 
   pose.information = estimate.information;
   if (pose.status == TrackingStatus::kGood) {
     if (is_followed) {
-      pose.information = edge_information(estimate.information,
-                                          last_good_.T_odom_camera.inverse() * pose.T_odom_camera, dt_s);
+      pose.information =
+          edge_information(estimate.information, motion_ ? motion_->information : Matrix6d(Matrix6d::Zero()),
+                           last_good_.T_odom_camera.inverse() * pose.T_odom_camera, dt_s);
     }
     velocity_ = is_followed
                     ? Vector6d(log_se3(last_good_.T_odom_camera.inverse() * pose.T_odom_camera) / dt_s)

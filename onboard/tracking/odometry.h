@@ -72,8 +72,6 @@ class Odometry {
   /// Whether another sensor measures all of the motion; what it says then, else none.
   bool is_carried() const;
   Pose carried_motion() const;
-  /// What an edge between two good frames tells, by what the tracker measured against the model.
-  Matrix6d edge_information(const Matrix6d& measured, const Pose& T_last_current, double dt_s) const;
   Estimate dead_reckoned(const Estimate& lost) const;
   Estimate follow(const FrameMaps& maps, const ModelView& model, const PredictSurface& predict);
   /// Whether this is the first frame after a gap, or after frames that were not good.
@@ -93,6 +91,7 @@ class Odometry {
   StampedPose start_segment(const FrameMaps& maps, int64_t sequence);
   StampedPose conclude(const FrameMaps& maps, const Estimate& estimate, int64_t sequence);
 
+  exec::Device device_;
   TrackingConfig config_;
   Tracker tracker_;
   RotationAligner rotation_aligner_;

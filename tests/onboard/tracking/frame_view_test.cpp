@@ -42,7 +42,7 @@ TEST(FrameViews, GivesBackTheFramesOwnPointsAndNormals) {
   for (const exec::Device& device : parity_devices()) {
     Rig rig{.device = device};
     const FrameMaps& maps = rig.maps_at(kHere);
-    const KeptSurface kept = rig.views.keep(maps);
+    const KeptSurface kept = keep_surface(rig.device, maps);
     const SurfaceLevel& level = maps.levels.back();
     const std::vector<Vec4f> normals = level.normals.downloaded();
     const std::vector<float> depth = level.depth.downloaded();
@@ -70,7 +70,7 @@ TEST(FrameViews, GivesBackTheFramesOwnPointsAndNormals) {
 TEST(FrameViews, AFrameAlignsWithAKeptOne) {
   Rig rig;
   Tracker tracker(rig.device, rig.calibration, {});
-  const KeptSurface kept = rig.views.keep(rig.maps_at(kHere));
+  const KeptSurface kept = keep_surface(rig.device, rig.maps_at(kHere));
   for (const Pose& motion : {pose_of({0, 0, 0}, {0, 0, 0}), pose_of({1.5, -1, 2}, {0.02, 0.03, -0.04}),
                              pose_of({-2, 2.5, -1}, {-0.03, 0.01, 0.05})}) {
     const TrackResult result =
@@ -83,13 +83,13 @@ TEST(FrameViews, AFrameAlignsWithAKeptOne) {
 
 TEST(FrameViews, KeepsInMemoryGivenBack) {
   Rig rig;
-  KeptSurface kept = rig.views.keep(rig.maps_at(kHere));
+  KeptSurface kept = keep_surface(rig.device, rig.maps_at(kHere));
   const float* memory = kept.depth.data();
   const FrameMaps& maps = rig.maps_at(kThere);
-  kept = rig.views.keep(maps, std::move(kept));
+  kept = keep_surface(rig.device, maps, std::move(kept));
   EXPECT_EQ(kept.depth.data(), memory);
   EXPECT_EQ(kept.depth.downloaded(), maps.levels.back().depth.downloaded());
-  EXPECT_EQ(kept.depth.downloaded(), rig.views.keep(maps).depth.downloaded());
+  EXPECT_EQ(kept.depth.downloaded(), keep_surface(rig.device, maps).depth.downloaded());
 }
 
 }  // namespace
