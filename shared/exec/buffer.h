@@ -10,6 +10,7 @@
 
 #include "shared/core/check.h"
 #include "shared/exec/device.h"
+#include "shared/exec/launch_observer.h"
 
 namespace kt::exec {
 
@@ -33,7 +34,9 @@ class Buffer {
   Buffer(const Device& device, int64_t size)
       : device_(device),
         size_(size),
-        data_(static_cast<T*>(allocate_zeroed(device, bytes_of(size))), Release{device, bytes_of(size)}) {}
+        data_(static_cast<T*>(allocate_zeroed(device, bytes_of(size))), Release{device, bytes_of(size)}) {
+    if (device.observer() && data_) device.observer()->on_allocated(data(), size, sizeof(T), typeid(T));
+  }
 
   int64_t size() const { return data_ ? size_ : 0; }
   T* data() { return data_.get(); }
@@ -44,6 +47,7 @@ class Buffer {
     exec::give_back_zeros(device_, data() + first, bytes_of(count));
   }
   void upload(std::span<const T> values) {
+    const ObservedLaunch observed(device_, "upload", static_cast<int64_t>(values.size()));
     KT_CHECK(static_cast<int64_t>(values.size()) <= size_);
     copy_to_device(device_, data(), values.data(), values.size_bytes());
   }
@@ -64,7 +68,10 @@ class Buffer {
   struct Release {
     Device device;
     size_t bytes = 0;
-    void operator()(T* pointer) const { release(device, pointer, bytes); }
+    void operator()(T* pointer) const {
+      if (device.observer()) device.observer()->on_released(pointer);
+      release(device, pointer, bytes);
+    }
   };
   Device device_;
   int64_t size_ = 0;

@@ -7,10 +7,12 @@
 
 #include "shared/core/check.h"
 #include "shared/exec/cuda_backend.h"
+#include "shared/exec/launch_observer.h"
 
 namespace kt::exec {
 
 int64_t compact_flags(const Device& device, const uint8_t* flags, int64_t count, int32_t* indices) {
+  const ObservedLaunch observed(device, "compact_flags", count);
   KT_CHECK(count <= std::numeric_limits<int32_t>::max());
 #if defined(KT_HAVE_CUDA)
   if (device.is_cuda()) return cuda_backend::compact_flags(flags, count, indices);
@@ -33,6 +35,7 @@ int64_t compact_flags(const Device& device, const uint8_t* flags, int64_t count,
 }
 
 int64_t exclusive_scan(const Device& device, const int32_t* counts, int64_t count, int32_t* offsets) {
+  const ObservedLaunch observed(device, "exclusive_scan", count);
   int64_t total = 0;
 #if defined(KT_HAVE_CUDA)
   if (device.is_cuda()) return cuda_backend::exclusive_scan(counts, count, offsets);

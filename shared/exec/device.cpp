@@ -29,6 +29,12 @@ Device Device::from_name(const std::string& name, int threads) {
   throw Error("unknown device '" + name + "': use cpu or cuda");
 }
 
+Device Device::observed_by(std::shared_ptr<LaunchObserver> observer) const {
+  Device device = *this;
+  device.observer_ = std::move(observer);
+  return device;
+}
+
 bool cuda_is_available(std::string* reason) {
 #if defined(KT_HAVE_CUDA)
   const std::string problem = cuda_backend::problem();

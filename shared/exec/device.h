@@ -10,6 +10,8 @@
 
 namespace kt::exec {
 
+class LaunchObserver;
+
 /// A value that every buffer and launch is given; copies share the threads.
 class Device {
  public:
@@ -22,6 +24,11 @@ class Device {
   /// "cpu" or "cuda"; throws kt::Error for any other name.
   static Device from_name(const std::string& name, int threads);
 
+  /// The same device, whose buffers and launches `observer` is told of.
+  Device observed_by(std::shared_ptr<LaunchObserver> observer) const;
+  /// Null where nobody observes it.
+  LaunchObserver* observer() const { return observer_.get(); }
+
   bool is_cuda() const { return is_cuda_; }
   int threads() const { return is_cuda_ ? 1 : pool_->threads(); }
   /// The threads of a CPU device.
@@ -31,6 +38,7 @@ class Device {
   Device(bool is_cuda, std::shared_ptr<ThreadPool> pool) : is_cuda_(is_cuda), pool_(std::move(pool)) {}
   bool is_cuda_;
   std::shared_ptr<ThreadPool> pool_;  // null for cuda
+  std::shared_ptr<LaunchObserver> observer_;
 };
 
 /// Whether this build has the CUDA executor and this machine a usable GPU; where not, `reason` says why.

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "shared/exec/device.h"
+#include "shared/exec/launch_observer.h"
 
 namespace kt::exec {
 
@@ -35,6 +36,7 @@ void for_each_on_cpu(const Device& device, int64_t count, const Functor& functor
 /// Calls functor(i) for i in [0, count). Elements are independent: each writes only its own slot.
 template <typename Functor>
 void for_each(const Device& device, int64_t count, const Functor& functor) {
+  const ObservedLaunch observed(device, typeid(Functor).name(), count);
 #if defined(KT_HAVE_CUDA)
   if (device.is_cuda()) return launch_for_each(count, functor);
 #endif
@@ -49,6 +51,7 @@ inline constexpr int kSimdLanes = 8;
 /// where it is 1. Elements stay independent, so both give the same bits. `count` is a multiple of kSimdLanes.
 template <typename Functor>
 void for_each_lane(const Device& device, int64_t count, const Functor& functor) {
+  const ObservedLaunch observed(device, typeid(Functor).name(), count);
 #if defined(KT_HAVE_CUDA)
   if (device.is_cuda()) return launch_for_each_lane(count, functor);
 #endif
@@ -59,6 +62,7 @@ void for_each_lane(const Device& device, int64_t count, const Functor& functor) 
 /// Calls functor(u, v) for every pixel of a width x height image, rows in parallel.
 template <typename Functor>
 void for_each_pixel(const Device& device, int width, int height, const Functor& functor) {
+  const ObservedLaunch observed(device, typeid(Functor).name(), int64_t{width} * height);
 #if defined(KT_HAVE_CUDA)
   if (device.is_cuda()) return launch_for_each_pixel(width, height, functor);
 #endif

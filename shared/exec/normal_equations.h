@@ -10,6 +10,7 @@
 #include "shared/core/host_device.h"
 #include "shared/exec/buffer.h"
 #include "shared/exec/device.h"
+#include "shared/exec/launch_observer.h"
 
 namespace kt::exec {
 
@@ -116,6 +117,7 @@ template <typename Functor>
 NormalEquationsOf<kUnknownsOf<Functor>> reduce_normal_equations(const Device& device, int64_t count,
                                                                 const Functor& functor,
                                                                 ReductionWorkspace& workspace) {
+  const ObservedLaunch observed(device, typeid(Functor).name(), count);
   constexpr int kUnknowns = kUnknownsOf<Functor>;
   using At = ReductionTerms<kUnknowns>;
   using Row = ResidualRowOf<kUnknowns>;

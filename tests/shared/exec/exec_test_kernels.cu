@@ -4,6 +4,7 @@
 #include "tests/shared/exec/exec_test_kernels.h"
 
 KT_INSTANTIATE_FOR_EACH(kt::test::AddIndex);
+KT_INSTANTIATE_FOR_EACH(kt::test::AddIndexBut);
 KT_INSTANTIATE_FOR_EACH_LANE(kt::test::AddLaneIndex);
 KT_INSTANTIATE_FOR_EACH_PIXEL(kt::test::AddPixel);
 KT_INSTANTIATE_REDUCE(kt::test::RandomResidual);

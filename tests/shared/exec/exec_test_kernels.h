@@ -13,6 +13,13 @@ struct AddIndex {
   KT_HOST_DEVICE void operator()(int64_t i) const { slots[i] += 1 + i; }
 };
 
+/// The same, but for one wrong element: -1 where there is none.
+struct AddIndexBut {
+  int64_t* slots;
+  int64_t wrong;
+  KT_HOST_DEVICE void operator()(int64_t i) const { slots[i] += 1 + i + (i == wrong ? 256 : 0); }
+};
+
 /// The same for elements in lanes.
 struct AddLaneIndex {
   int64_t* slots;
