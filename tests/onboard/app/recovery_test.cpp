@@ -6,17 +6,13 @@
 #include <functional>
 #include <map>
 #include <numbers>
-#include <optional>
-#include <set>
 #include <vector>
 
 #include "gtest/gtest.h"
 
 #include "onboard/app/collector.h"
-#include "shared/core/digest.h"
 #include "shared/core/rng.h"
 #include "tests/onboard/app/recording_sink.h"
-#include "tests/support/devices.h"
 #include "tests/support/pose_matchers.h"
 
 namespace kt::test {
@@ -114,9 +110,8 @@ class Mission {
   Collector collector;
   double tolerance_deg = 0.5, tolerance_m = 0.02;
 
-  explicit Mission(int scale = kFine, const CollectorConfig& config = recovery_config(),
-                   const exec::Device& device = exec::Device::cpu(1))
-      : collector(device, small_calibration(scale), config, sink), scale_(scale) {}
+  explicit Mission(int scale = kFine, const CollectorConfig& config = recovery_config())
+      : collector(exec::Device::cpu(1), small_calibration(scale), config, sink), scale_(scale) {}
 
   const StampedPose& see(const Place& place, const Pose& T_world_camera, int64_t tick) {
     return take(photograph(place, scale_, T_world_camera, tick), &place, T_world_camera);
@@ -611,68 +606,6 @@ TEST(Recovery, AGyroscopeFollowsATurnThatDepthAloneCannot) {
       EXPECT_EQ(good, 6);
     else
       EXPECT_LT(good, 6) << "an easy turn proves nothing";
-  }
-}
-
-uint64_t digest_of(const RecordingSink& sink) {
-  Digest digest;
-  for (const StampedPose& pose : sink.poses) {
-    digest.add_bytes(pose.T_odom_camera.matrix().data(), 16 * sizeof(double));
-    digest.add_bytes(pose.information.data(), 36 * sizeof(double));
-    digest.add(pose.from_sequence);
-    for (const int value : {static_cast<int>(pose.status), static_cast<int>(pose.source),
-                            static_cast<int>(pose.cause), pose.segment})
-      digest.add(value);
-  }
-  for (const CloudSlice& slice : sink.slices) {
-    digest.add(slice.segment);
-    for (const SliceVertex& v : slice.vertices) {
-      digest.add(v.key.bits);
-      for (const float x : {v.p_odom.x, v.p_odom.y, v.p_odom.z, v.weight}) digest.add(x);
-    }
-    for (const auto& triangle : slice.triangles) digest.add_bytes(triangle.data(), sizeof(triangle));
-  }
-  return digest.value();
-}
-
-TEST(Recovery, GivesTheSameBitsOnEveryDeviceAndTwice) {
-  struct Seen {
-    const Place* place;  // null: nothing
-    Pose T_world_camera;
-    RgbdFrame frame;
-  };
-  std::vector<Seen> all;
-  int tick = 0;
-  const auto see = [&](const Place& place, const Pose& T) {
-    all.push_back({&place, T, photograph(place, kFine, T, tick++)});
-  };
-  for (int k = 0; k < 8; ++k) see(home(), turned(10 * k));
-  for (int k = 0; k < 3; ++k) all.push_back({nullptr, Pose::Identity(), black_frame(kFine, tick++)});
-  for (int k = 0; k < 3; ++k) see(home(), turned(60) * pose_of({3, 0, 0}, {-0.1, 0, 0}));
-  for (int k = 0; k < 3; ++k) see(home(), pose_of({2, 3, 1}, {0.05, -0.03, 0.05}));
-  for (int k = 0; k < 5; ++k, tick += k < 3 ? 5 : 0) see(elsewhere(), turned(k));
-  for (int k = 0; k < 4; ++k) see(home(), turned(2 + k));
-
-  CollectorConfig config = recovery_config();
-  config.tracking.new_segment_after_s = 0.3;
-  std::vector<exec::Device> devices = parity_devices();
-  devices.push_back(devices.front());
-  std::optional<uint64_t> reference;
-  for (const exec::Device& device : devices) {
-    Mission mission(kFine, config, device);
-    for (const Seen& seen : all) mission.take(seen.frame, seen.place, seen.T_world_camera);
-    mission.collector.finish();
-    std::set<std::pair<PoseSource, int>> kinds;
-    for (const StampedPose& pose : mission.sink.poses) kinds.emplace(pose.source, pose.segment);
-    for (const auto& kind : {std::pair(PoseSource::kNone, 0), std::pair(PoseSource::kRelocalised, 0),
-                             std::pair(PoseSource::kStart, 1), std::pair(PoseSource::kModel, 1)})
-      EXPECT_TRUE(kinds.contains(kind)) << to_string(kind.first) << kind.second;
-    std::vector<int> segments;
-    for (const CloudSlice& slice : mission.sink.slices) segments.push_back(slice.segment);
-    segments.erase(std::unique(segments.begin(), segments.end()), segments.end());
-    EXPECT_EQ(segments, (std::vector{0, 1, 0}));
-    if (!reference) reference = digest_of(mission.sink);
-    EXPECT_EQ(digest_of(mission.sink), *reference) << name_of(device);
   }
 }
 
