@@ -25,7 +25,7 @@ static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler
 
 struct Options {
   std::string input, log, calibration, config, report;
-  std::string device = "cpu";
+  std::string device = "auto";
   std::vector<std::string> settings;
   int threads = 0;
   std::string raw_colour = "jpeg";
@@ -81,9 +81,10 @@ void run(const Options& options) {
   kt::LogSink sink(options.log, {.overwrite = options.overwrite,
                                  .frames = {.lossless_colour = options.raw_colour == "png"}});
   if (!options.quiet) {
-    std::fprintf(stderr, "kintsugi-collect %s: %s (camera %s) -> %s, volume %d voxels of %g m\n",
+    std::fprintf(stderr, "kintsugi-collect %s: %s (camera %s) -> %s, volume %d voxels of %g m, on %s\n",
                  kt::kProgramVersion, options.input.c_str(), source->calibration().name.c_str(),
-                 options.log.c_str(), config.volume.resolution, config.volume.voxel_size_m);
+                 options.log.c_str(), config.volume.resolution, config.volume.voxel_size_m,
+                 mission.device.name());
   }
   FrameProgress progress;
   if (!options.quiet)
@@ -114,8 +115,10 @@ int main(int argc, char** argv) {
   app.add_option("--threads,-j", options.threads,
                  "CPU threads, 0 = all cores; the result does not depend on it")
       ->check(CLI::Range(0, 1024));
-  app.add_option("--device,-d", options.device, "where kernels run")
-      ->check(CLI::IsMember({"cpu", "cuda"}))
+  app.add_option("--device,-d", options.device,
+                 "where kernels run: auto is cuda where there is a usable GPU, else cpu; the result does not "
+                 "depend on it")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
   app.add_flag("--record-raw", options.record_raw,
                "log the frames themselves too, for re-integration and replay");

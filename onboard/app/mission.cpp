@@ -28,6 +28,8 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   const auto start = std::chrono::steady_clock::now();
   const auto stopped = [&] { return options.stop && options.stop->load(); };
   MissionSummary summary;
+  summary.device = options.device.name();
+  summary.threads = options.device.threads();
   Collector collector(options.device, source.calibration(), options.config, sink);
   TrackingStretches stretches;
   FrameQueue frames(source);

@@ -26,7 +26,9 @@ struct MissionSummary {
   std::vector<TrackingStretch> stretches;    ///< the worst ones, in order of time
   int64_t stretch_count = 0;                 ///< with those that are not kept
   std::map<std::string, StageTimes> stage_times;
-  double seconds = 0;  ///< wall time
+  std::string device = "cpu";  ///< that ran the kernels: "cpu" or "cuda"
+  int threads = 1;             ///< of the cpu
+  double seconds = 0;          ///< wall time
   double peak_memory_mib = 0;
   bool interrupted = false;  ///< `stop` ended it
 };

@@ -141,6 +141,8 @@ void write_mission_report(const MissionSummary& summary, const std::filesystem::
   for (const TrackingStretch& stretch : summary.stretches) stretches.push_back(to_json(stretch));
   nlohmann::ordered_json report = {
       {"program_version", kProgramVersion},
+      {"device", summary.device},
+      {"threads", summary.threads},
       {"frames", s.frames},
       {"tracked_share", tracked_share(s)},
       {"frames_uncertain", s.frames_uncertain},

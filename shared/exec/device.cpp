@@ -26,7 +26,8 @@ Device Device::cuda() {
 Device Device::from_name(const std::string& name, int threads) {
   if (name == "cpu") return cpu(threads);
   if (name == "cuda") return cuda();
-  throw Error("unknown device '" + name + "': use cpu or cuda");
+  if (name == "auto") return cuda_is_available() ? cuda() : cpu(threads);
+  throw Error("unknown device '" + name + "': use auto, cpu or cuda");
 }
 
 Device Device::observed_by(std::shared_ptr<LaunchObserver> observer) const {

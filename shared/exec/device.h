@@ -21,7 +21,7 @@ class Device {
   static Device cpu(int threads = 0);
   /// The first CUDA GPU. Throws kt::Error naming the remedy where this build or this machine has none.
   static Device cuda();
-  /// "cpu" or "cuda"; throws kt::Error for any other name.
+  /// "cpu", "cuda", or "auto": cuda where cuda_is_available(), else cpu. Throws kt::Error for any other name.
   static Device from_name(const std::string& name, int threads);
 
   /// The same device, whose buffers and launches `observer` is told of.
@@ -30,6 +30,8 @@ class Device {
   LaunchObserver* observer() const { return observer_.get(); }
 
   bool is_cuda() const { return is_cuda_; }
+  /// "cpu" or "cuda".
+  const char* name() const { return is_cuda_ ? "cuda" : "cpu"; }
   int threads() const { return is_cuda_ ? 1 : pool_->threads(); }
   /// The threads of a CPU device.
   ThreadPool& pool() const { return *pool_; }

@@ -18,6 +18,10 @@ class PipelineTest(ProgramTest):
         self.assertEqual(report["tracked_share"], 1)
         self.assertGreater(report["vertices"], 10_000)
         self.assertGreaterEqual(report["slices"], 1)
+        self.assertIn(report["device"], ("cpu", "cuda"))
+        if report["device"] == "cpu":  # there is no usable GPU, and asking for one says so
+            self.run_badly("collect", "--input", f"tum:{room}", "--log", self.folder / "other.lcm", "--device", "cuda",
+                           naming=["device cuda", "use --device cpu"])
         self.assertGreater(report["process"]["p50_ms"], 0)
         for stage, times in report["stages"].items():
             self.assertLessEqual(times["p50_ms"], times["p95_ms"], stage)

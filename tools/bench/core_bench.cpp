@@ -21,16 +21,17 @@ namespace {
 
 constexpr const char* kUsage =
     "kintsugi-core-bench [OPTIONS]: times preprocessing, tracking, integration and raycast; prints JSON\n"
-    "  --device cpu|cuda   where kernels run (cpu)\n"
-    "  --threads N         CPU threads, 0 = all cores (0)\n"
-    "  --frames N          frames to time, after ten that are not (100)\n"
-    "  --resolution N      voxels per axis of the volume (512)\n"
-    "  --voxel-size-m X    (0.01)\n"
+    "  --device D        where kernels run: cpu, cuda, or auto: cuda where there is a usable GPU, else cpu "
+    "(auto)\n"
+    "  --threads N       CPU threads, 0 = all cores (0)\n"
+    "  --frames N        frames to time, after ten that are not (100)\n"
+    "  --resolution N    voxels per axis of the volume (512)\n"
+    "  --voxel-size-m X  (0.01)\n"
     "  --help, --version\n";
 constexpr int kWarmUp = 10;
 
 struct Options {
-  std::string device = "cpu";
+  std::string device = "auto";
   int threads = 0, frames = 100;
   VolumeConfig volume;
 };
@@ -49,7 +50,7 @@ Options parse(int argc, char** argv) {
     const std::string name = argv[i];
     const char* value = i + 1 < argc ? argv[i + 1] : nullptr;
     if (name == "--device") {
-      if (!value) throw Error("--device needs cpu or cuda");
+      if (!value) throw Error("--device needs auto, cpu or cuda");
       options.device = value;
     } else if (name == "--threads") {
       options.threads = static_cast<int>(number(name, value, 0, 1024));
@@ -166,7 +167,7 @@ void run(const Options& options) {
   }
   const Pose T_last = pose_at(0).inverse() * pose_at(kWarmUp + options.frames - 1);
   std::printf("{\n  \"program_version\": \"%s\",\n  \"device\": \"%s\",\n  \"threads\": %d,\n",
-              kProgramVersion, options.device.c_str(), device.threads());
+              kProgramVersion, device.name(), device.threads());
   std::printf(
       "  \"volume_resolution\": %d,\n  \"voxel_size_m\": %g,\n  \"frames\": %d,\n  \"frames_good\": %lld,\n",
       options.volume.resolution, options.volume.voxel_size_m, options.frames, static_cast<long long>(good));

@@ -28,7 +28,7 @@ class NullSink final : public kt::MessageSink {
 };
 
 struct Options {
-  std::string input = "synthetic:room", calibration, device = "cpu";
+  std::string input = "synthetic:room", calibration, device = "auto";
   std::vector<std::string> settings;
   int64_t frames = 120, warm_up = 10;
   int threads = 0;
@@ -70,7 +70,7 @@ nlohmann::ordered_json run(const Options& options) {
   return {{"program_version", kt::kProgramVersion},
           {"input", options.input},
           {"camera", source->calibration().name},
-          {"device", options.device},
+          {"device", device.name()},
           {"threads", device.threads()},
           {"width", source->calibration().depth.width},
           {"height", source->calibration().depth.height},
@@ -96,7 +96,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();
   app.add_option("--threads,-j", options.threads, "CPU threads, 0 = all cores")->capture_default_str();
-  app.add_option("--device,-d", options.device, "cpu or cuda")->capture_default_str();
+  app.add_option("--device,-d", options.device,
+                 "cpu, cuda, or auto: cuda where there is a usable GPU, else cpu")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->capture_default_str();
   app.add_option("--set", options.settings, "one configuration field, as for kintsugi-collect");
   app.set_version_flag("--version", std::string("kintsugi-bench ") + kt::kProgramVersion);
   return kt::run_program(app, argc, argv, [&] { std::cout << run(options).dump(2) << '\n'; });

@@ -55,6 +55,7 @@ MissionSummary summary() {
   gap.is_gap = true;
   s.stretches.push_back(gap);
   s.stretch_count = 5;
+  s.device = "cuda";
   s.seconds = 12.5;
   s.peak_memory_mib = 321;
   return s;
@@ -155,6 +156,8 @@ TEST(MissionReport, JsonHoldsTheSameFigures) {
   const nlohmann::json report = nlohmann::json::parse(std::ifstream(path));
   EXPECT_EQ(report["frames"], 200);
   EXPECT_EQ(report["tracked_share"], 0.75);
+  EXPECT_EQ(report["device"], "cuda");
+  EXPECT_EQ(report["threads"], 1);
   EXPECT_EQ(report["vertices"], 5'000'000'000);
   EXPECT_EQ(report["skip_reasons"][0], "frame 5: truncated \"image\" 100 %");
   EXPECT_EQ(report["process"]["p50_ms"], 70);

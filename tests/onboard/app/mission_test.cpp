@@ -35,11 +35,15 @@ std::vector<SourceItem> room_items(int count) {
 TEST(Mission, BeginsWithTheSessionAndEndsWithTheFinalSlice) {
   ListSource source(room_items(3));
   RecordingSink sink;
-  const MissionSummary summary = run_mission(source, sink, small_mission());
+  MissionOptions options = small_mission();
+  options.device = exec::Device::cpu(2);
+  const MissionSummary summary = run_mission(source, sink, options);
   EXPECT_THAT(sink.calls, ElementsAre("session", "pose", "pose", "pose", "slice", "status", "close"));
   EXPECT_TRUE(sink.slices.back().is_final);
   EXPECT_EQ(summary.status.frames, 3);
   EXPECT_FALSE(summary.interrupted);
+  EXPECT_EQ(summary.device, "cpu");
+  EXPECT_EQ(summary.threads, 2);
   EXPECT_GT(summary.seconds, 0);
   EXPECT_GT(summary.peak_memory_mib, 1);
   EXPECT_EQ(summary.stage_times.at("frame").count, 3);

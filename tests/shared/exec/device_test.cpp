@@ -28,6 +28,13 @@ TEST(Device, TakesTheThreadsItIsGiven) {
   EXPECT_EQ(Device::from_name("cpu", 5).threads(), 5);
 }
 
+TEST(Device, AutoIsTheGpuWhereThereIsOne) {
+  const Device device = Device::from_name("auto", 3);
+  EXPECT_EQ(device.is_cuda(), cuda_is_available());
+  EXPECT_STREQ(device.name(), cuda_is_available() ? "cuda" : "cpu");
+  EXPECT_EQ(device.threads(), device.is_cuda() ? 1 : 3);
+}
+
 TEST(Device, RefusesAbsurdThreadCounts) {
   for (const int threads : {-1, -1000, 1025, 1'000'000}) {
     EXPECT_THAT(error_of("cpu", threads),
@@ -37,7 +44,7 @@ TEST(Device, RefusesAbsurdThreadCounts) {
 
 TEST(Device, NamesTheChoicesForAnUnknownName) {
   for (const std::string name : {"", "gpu", "CPU", "opencl"})
-    EXPECT_THAT(error_of(name, 1), HasSubstr("use cpu or cuda"));
+    EXPECT_THAT(error_of(name, 1), HasSubstr("use auto, cpu or cuda"));
 }
 
 TEST(Device, WithoutAGpuSaysWhyAndWhatToDo) {
