@@ -103,7 +103,11 @@ class Lockstep {
 
   void compare() {
     if (has_parted_ || (sides_[0].has_ended && sides_[1].has_ended)) return;
-    difference_ = found_difference();
+    try {
+      difference_ = found_difference();
+    } catch (const std::exception& failure) {  // of a GPU that has failed
+      difference_ = "buffers cannot be read after " + sides_[0].launch() + ": " + failure.what();
+    }
     has_parted_ = !difference_.empty();
   }
 
