@@ -7,7 +7,7 @@
 
 KT_INSTANTIATE_FOR_EACH_PIXEL(kt::TileDepthRange);
 KT_INSTANTIATE_FOR_EACH(kt::SelectBlock);
-KT_INSTANTIATE_FOR_EACH(kt::FuseRow);
+KT_INSTANTIATE_FOR_EACH_LANE(kt::FuseColumns);
 KT_INSTANTIATE_FOR_EACH(kt::SummariseBrick);
 KT_INSTANTIATE_FOR_EACH(kt::StartBrickDistance);
 KT_INSTANTIATE_FOR_EACH(kt::SpreadBrickDistance);

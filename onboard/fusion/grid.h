@@ -8,33 +8,47 @@
 
 namespace kt {
 
-/// Truncated signed distance and trust of one voxel.
+/// Truncated signed distance and trust of one voxel, in one word, which kernels handle as SIMD.
 struct Voxel {
   static constexpr float kDistanceUnits = 32767.0f;  ///< of one truncation distance
   static constexpr float kWeightUnits = 128.0f;      ///< of weight 1 (one head-on view at 1 m)
-  static constexpr uint16_t kFrozen =
-      0x8000;  ///< flag: shared with an exported slice, must not change any more
+  /// Flag: shared with an exported slice, must not change any more.
+  static constexpr uint32_t kFrozen = 0x8000'0000;
 
-  int16_t distance = 0;
-  uint16_t weight_bits = 0;
+  uint32_t word = 0;  // distance units in the lower half, then 15 bits of weight units, then the flag
 
+  /// Distance in [-kDistanceUnits, kDistanceUnits], weight in [0, 32767]; not frozen.
+  KT_HOST_DEVICE static Voxel of(int32_t distance, int32_t weight_units) {
+    return {(static_cast<uint32_t>(distance) & 0xffff) | static_cast<uint32_t>(weight_units) << 16};
+  }
+  KT_HOST_DEVICE int32_t distance() const { return static_cast<int32_t>(word << 16) >> 16; }
+  KT_HOST_DEVICE int32_t weight_units() const { return static_cast<int32_t>(word >> 16 & 0x7fff); }
+  KT_HOST_DEVICE bool is_frozen() const { return static_cast<int32_t>(word) < 0; }
   /// In truncation distances, [-1, 1], positive in front of the surface.
-  KT_HOST_DEVICE float tsdf() const { return static_cast<float>(distance) / kDistanceUnits; }
-  KT_HOST_DEVICE int weight_units() const { return weight_bits & 0x7fff; }
+  KT_HOST_DEVICE float tsdf() const { return static_cast<float>(distance()) / kDistanceUnits; }
   KT_HOST_DEVICE float weight() const { return static_cast<float>(weight_units()) / kWeightUnits; }
-  KT_HOST_DEVICE bool is_frozen() const { return (weight_bits & kFrozen) != 0; }
 };
 static_assert(sizeof(Voxel) == 4);
 
-/// Mean colour of one voxel in 1/256 levels, and its weight as in Voxel.
+/// Mean colour of one voxel in 1/256 levels, and its weight as in Voxel; in two words, as Voxel is in one.
 struct alignas(8) ColourVoxel {
-  uint16_t r = 0, g = 0, b = 0, weight_units = 0;
+  uint32_t r_and_g = 0, b_and_weight = 0;  // the first of each in the lower half
+
+  KT_HOST_DEVICE static ColourVoxel of(int32_t r, int32_t g, int32_t b, int32_t weight_units) {
+    return {static_cast<uint32_t>(r) | static_cast<uint32_t>(g) << 16,
+            static_cast<uint32_t>(b) | static_cast<uint32_t>(weight_units) << 16};
+  }
+  KT_HOST_DEVICE int32_t r() const { return static_cast<int32_t>(r_and_g & 0xffff); }
+  KT_HOST_DEVICE int32_t g() const { return static_cast<int32_t>(r_and_g >> 16); }
+  KT_HOST_DEVICE int32_t b() const { return static_cast<int32_t>(b_and_weight & 0xffff); }
+  KT_HOST_DEVICE int32_t weight_units() const { return static_cast<int32_t>(b_and_weight >> 16); }
 };
 static_assert(sizeof(ColourVoxel) == 8);
 
 inline constexpr int kLog2BrickSide = 3;
-inline constexpr int kBrickSide = 1 << kLog2BrickSide;  // voxels
-inline constexpr int kBrickVoxels = 512;
+inline constexpr int kBrickSide = 1 << kLog2BrickSide;         // voxels
+inline constexpr int kBrickColumns = kBrickSide * kBrickSide;  // columns of 8 voxels along z
+inline constexpr int kBrickVoxels = kBrickColumns * kBrickSide;
 inline constexpr int kBlockSide = 4;  // bricks; volumes and shifts come in whole blocks
 inline constexpr int kBlockVoxels = kBrickSide * kBlockSide;
 
@@ -49,6 +63,7 @@ enum BrickState : uint8_t {
 struct VolumeView {
   Voxel* voxels = nullptr;
   ColourVoxel* colours = nullptr;
+  uint8_t* surface_masks = nullptr;     // by slot and column (x, y): bit z = that voxel is near a surface
   uint8_t* brick_states = nullptr;      // BrickState by slot
   uint32_t* brick_last_seen = nullptr;  // sequence of the frame that last saw a surface in the brick, by slot
   int32_t bricks = 0;                   // per axis

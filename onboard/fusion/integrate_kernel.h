@@ -25,7 +25,7 @@ struct TileDepthRange {
     for (int v = tile_v * kTileSide; v < (tile_v + 1) * kTileSide && v < height; ++v) {
       for (int u = tile_u * kTileSide; u < (tile_u + 1) * kTileSide && u < width; ++u) {
         const FusionPixel& pixel = pixels[int64_t{v} * width + u];
-        if (pixel.weight <= 0.0f) continue;
+        if (pixel.weight_units() == 0) continue;
         range.nearest_m = min_of(range.nearest_m, pixel.depth_m);
         range.farthest_m = max_of(range.farthest_m, pixel.depth_m);
       }
@@ -117,102 +117,41 @@ struct SelectBlock {
   }
 };
 
-/// What fusing a frame left in a row of voxels.
-enum RowFlag : uint8_t {
-  kRowSurface = 1,  // a voxel near a surface
-  kRowFused = 2,    // a voxel that the frame measured
-};
-
-/// Fuses a frame into one row of 8 voxels: weighted running average of the truncated signed distance to the
-/// tangent plane of the measured surface (Curless and Levoy 1996; Newcombe et al. 2011, eq. 6 to 13) and of
-/// the colour. Behind the measurement it reaches one truncation distance along the ray: farther off, the
-/// tangent plane says nothing about the surface.
+/// Fuses a frame into kLanes neighbouring columns of 8 voxels along z: weighted running average of the
+/// truncated signed distance to the tangent plane of the measured surface (Curless and Levoy 1996; Newcombe
+/// et al. 2011, eq. 6 to 13) and of the colour. Behind the measurement it reaches one truncation distance
+/// along the ray: farther off, the tangent plane says nothing about the surface.
 ///   sdf = (depth - z) * distance_scale;  F' = (W F + w min(sdf / mu, 1)) / (W + w);  W' = min(W + w, W_max)
-struct FuseRow {
+/// Elements are the columns of the selected bricks. The pixels of all voxels are looked up first, so that a
+/// CPU waits for many at a time and a row of voxels in which the frame measured nothing is never read.
+struct FuseColumns {
   VolumeView volume;
   PinholeParams camera;
   Rigid3f T_camera_volume;
   const int32_t* slots;  // selected bricks
   const FusionPixel* pixels;
+  const uint32_t* colours;  // rgba by pixel, or null
   float max_weight_units;
-  uint8_t* row_flags;  // out, RowFlag
+  uint8_t* column_fused;  // out, by element: whether the frame measured a voxel of the column
 
-  /// Works on the eight voxels in steps that a compiler turns into SIMD; only the look-ups in between are one
-  /// by one.
-  KT_HOST_DEVICE void operator()(int64_t i) const {
-    constexpr int kN = kBrickSide;
-    const int64_t slot = slots[i / (kN * kN)];
-    const int row = static_cast<int>(i % (kN * kN));
-    const Vec3i b = volume.brick(slot);
-    const int64_t first = slot * kBrickVoxels + row * kN;
-    const Vec3f start =
-        T_camera_volume * (Vec3f{static_cast<float>(b.x * kN), static_cast<float>(b.y * kN + row % kN),
-                                 static_cast<float>(b.z * kN + row / kN)} *
-                           volume.voxel_size_m);
-    const Vec3f step =
-        Vec3f{T_camera_volume.R.m[0], T_camera_volume.R.m[3], T_camera_volume.R.m[6]} * volume.voxel_size_m;
-
-    // Pixel of each voxel, 0 where it is not seen.
-    float z[kN];
-    int32_t pixel_index[kN], seen[kN];
-    const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
-    for (int x = 0; x < kN; ++x) {
-      const auto offset = static_cast<float>(x);
-      z[x] = start.z + step.z * offset;
-      const float inverse_z = 1.0f / z[x];
-      const float u = (start.x + step.x * offset) * inverse_z * camera.fx + camera.cx + 0.5f;
-      const float v = (start.y + step.y * offset) * inverse_z * camera.fy + camera.cy + 0.5f;
-      seen[x] = (z[x] >= 0.05f) & (u >= 0.0f) & (v >= 0.0f) & (u < width) & (v < height);
-      pixel_index[x] =
-          static_cast<int32_t>(seen[x] ? v : 0.0f) * camera.width + static_cast<int32_t>(seen[x] ? u : 0.0f);
+  template <int kLanes>
+  KT_HOST_DEVICE void run(int64_t i) const {
+    static_assert(kBrickSide % kLanes == 0);
+    const int64_t slot = slots[i / kBrickColumns];
+    const int column = static_cast<int>(i % kBrickColumns);
+    Measured<kLanes> measured;
+    look_up(slot, column, &measured);
+    uint8_t* masks = volume.surface_masks + slot * kBrickColumns + column;
+    int32_t mask[kLanes], any[kLanes];
+    for (int l = 0; l < kLanes; ++l) mask[l] = masks[l];
+    for (int l = 0; l < kLanes; ++l) any[l] = 0;
+    for (int z = 0; z < kBrickSide; ++z) {
+      int32_t row = 0;
+      for (int l = 0; l < kLanes; ++l) row |= measured.weight[z * kLanes + l];
+      if (row) fuse_row(slot * kBrickVoxels + z * kBrickColumns + column, z, measured, mask, any);
     }
-    float depth[kN], scale[kN], weight[kN];
-    for (int x = 0; x < kN; ++x) {
-      const FusionPixel& pixel = pixels[pixel_index[x]];
-      depth[x] = pixel.depth_m;
-      scale[x] = pixel.distance_scale;
-      weight[x] = seen[x] ? pixel.weight : 0.0f;
-    }
-
-    int32_t distance[kN], old_weight[kN], frozen[kN];
-    for (int x = 0; x < kN; ++x) {
-      const Voxel voxel = volume.voxels[first + x];
-      distance[x] = voxel.distance;
-      old_weight[x] = voxel.weight_units();
-      frozen[x] = voxel.is_frozen();
-    }
-
-    float sdf[kN], w_new[kN];
-    int32_t fused[kN], new_weight[kN];
-    int32_t any_fused = 0, near_surface = 0;
-    for (int x = 0; x < kN; ++x) {
-      sdf[x] = (depth[x] - z[x]) * scale[x];
-      w_new[x] = floorf(weight[x] * Voxel::kWeightUnits + 0.5f);
-      fused[x] = (w_new[x] > 0.0f) & (sdf[x] >= -volume.truncation_m) &
-                 (depth[x] - z[x] >= -volume.truncation_m) & (frozen[x] == 0);
-      any_fused |= fused[x];
-      const float measured = max_of(min_of(sdf[x] / volume.truncation_m, 1.0f), -1.0f);
-      const auto w_old = static_cast<float>(old_weight[x]);
-      const float share = w_new[x] / max_of(w_old + w_new[x], 1.0f);
-      const float mean = static_cast<float>(distance[x]) +
-                         share * (measured * Voxel::kDistanceUnits - static_cast<float>(distance[x]));
-      const auto mean_units = static_cast<int32_t>(floorf(mean + 0.5f));
-      const auto total_units = static_cast<int32_t>(min_of(w_old + w_new[x], max_weight_units));
-      distance[x] = fused[x] ? mean_units : distance[x];
-      new_weight[x] = fused[x] ? total_units : old_weight[x];
-      near_surface |= (new_weight[x] > 0) & (distance[x] < kNearSurface);
-    }
-    row_flags[i] = static_cast<uint8_t>((near_surface ? kRowSurface : 0) | (any_fused ? kRowFused : 0));
-    if (!any_fused) return;
-    for (int x = 0; x < kN; ++x) {
-      const int32_t flag = frozen[x] ? Voxel::kFrozen : 0;
-      volume.voxels[first + x] = {static_cast<int16_t>(distance[x]),
-                                  static_cast<uint16_t>(new_weight[x] | flag)};
-    }
-    for (int x = 0; x < kN; ++x) {
-      if (fused[x] && fabsf(sdf[x]) < kColourVoxels * volume.voxel_size_m)
-        fuse_colour(pixels[pixel_index[x]].rgba, w_new[x], &volume.colours[first + x]);
-    }
+    for (int l = 0; l < kLanes; ++l) masks[l] = static_cast<uint8_t>(mask[l]);
+    for (int l = 0; l < kLanes; ++l) column_fused[i + l] = static_cast<uint8_t>(any[l]);
   }
 
  private:
@@ -220,35 +159,144 @@ struct FuseRow {
   static constexpr float kColourVoxels = 2.0f;
   static constexpr int kNearSurface = 32000;  // distance units: anything but free space seen empty
 
-  KT_HOST_DEVICE void fuse_colour(uint32_t rgba, float w_new, ColourVoxel* colour) const {
-    if (rgba == 0) return;
-    const auto w_old = static_cast<float>(colour->weight_units);
-    const float share = w_new / (w_old + w_new);
-    const auto blend = [share](uint16_t mean, uint32_t level) {
-      const auto old_value = static_cast<float>(mean);
-      return static_cast<uint16_t>(old_value + share * (static_cast<float>(level * 256) - old_value) + 0.5f);
-    };
-    *colour = {blend(colour->r, rgba & 255), blend(colour->g, rgba >> 8 & 255),
-               blend(colour->b, rgba >> 16 & 255),
-               static_cast<uint16_t>(min_of(w_old + w_new, max_weight_units))};
+  template <int kLanes>
+  static constexpr int kCount = kBrickSide* kLanes;
+
+  // What the frame says of kLanes columns of voxels, row by row.
+  template <int kLanes>
+  struct Measured {
+    float sdf[kCount<kLanes>];       // m
+    int32_t weight[kCount<kLanes>];  // units, 0 = nothing
+    int32_t pixel[kCount<kLanes>];
+  };
+
+  template <int kLanes>
+  KT_HOST_DEVICE void look_up(int64_t slot, int column, Measured<kLanes>* measured) const {
+    const Vec3i b = volume.brick(slot);
+    const int x0 = column % kBrickSide, y0 = column / kBrickSide;
+    const Vec3f start = T_camera_volume * (Vec3f{static_cast<float>(b.x * kBrickSide),
+                                                 static_cast<float>(b.y * kBrickSide + y0),
+                                                 static_cast<float>(b.z * kBrickSide)} *
+                                           volume.voxel_size_m);
+    const float* R = T_camera_volume.R.m;
+    const Vec3f along_x = Vec3f{R[0], R[3], R[6]} * volume.voxel_size_m,
+                along_z = Vec3f{R[2], R[5], R[8]} * volume.voxel_size_m;
+    const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
+    float depth[kCount<kLanes>];
+    int32_t seen[kCount<kLanes>], pixel[kCount<kLanes>];
+    for (int z = 0; z < kBrickSide; ++z) {
+      const Vec3f row = start + along_z * static_cast<float>(z);
+      for (int l = 0; l < kLanes; ++l) {
+        const auto offset = static_cast<float>(x0 + l);
+        const float p_z = row.z + along_x.z * offset;
+        const float inverse = 1.0f / p_z;
+        const float u = (row.x + along_x.x * offset) * inverse * camera.fx + camera.cx + 0.5f;
+        const float v = (row.y + along_x.y * offset) * inverse * camera.fy + camera.cy + 0.5f;
+        const int32_t in_image = (p_z >= 0.05f) & (u >= 0.0f) & (v >= 0.0f) & (u < width) & (v < height);
+        depth[z * kLanes + l] = p_z;
+        seen[z * kLanes + l] = in_image;
+        pixel[z * kLanes + l] = static_cast<int32_t>(in_image ? v : 0.0f) * camera.width +
+                                static_cast<int32_t>(in_image ? u : 0.0f);
+      }
+    }
+    float pixel_depth[kCount<kLanes>];
+    uint32_t packed[kCount<kLanes>];
+    for (int k = 0; k < kCount<kLanes>; ++k) {
+      const FusionPixel looked_up = pixels[pixel[k]];
+      pixel_depth[k] = looked_up.depth_m;
+      packed[k] = looked_up.scale_and_weight;
+      measured->pixel[k] = pixel[k];
+    }
+    const float behind = -volume.truncation_m;
+    for (int k = 0; k < kCount<kLanes>; ++k) {
+      const float ahead = pixel_depth[k] - depth[k];
+      const float sdf = ahead * FusionPixel::scale_of(packed[k]);
+      const int32_t reached = seen[k] & (sdf >= behind) & (ahead >= behind);
+      measured->sdf[k] = sdf;
+      measured->weight[k] = reached ? FusionPixel::weight_units_of(packed[k]) : 0;
+    }
+  }
+
+  // Fuses row z of the columns, from voxel `first` on.
+  template <int kLanes>
+  KT_HOST_DEVICE void fuse_row(int64_t first, int z, const Measured<kLanes>& measured, int32_t* mask,
+                               int32_t* any) const {
+    const float per_metre = 1.0f / volume.truncation_m, colour_reach = kColourVoxels * volume.voxel_size_m,
+                most_units = max_weight_units;
+    float sdf[kLanes];
+    int32_t weight[kLanes];
+    for (int l = 0; l < kLanes; ++l) sdf[l] = measured.sdf[z * kLanes + l];
+    for (int l = 0; l < kLanes; ++l) weight[l] = measured.weight[z * kLanes + l];
+    // Arrays of their own between loads and stores: what a loop writes cannot alias what it reads.
+    uint32_t words[kLanes];
+    for (int l = 0; l < kLanes; ++l) words[l] = volume.voxels[first + l].word;
+    float colour_weight[kLanes];
+    int32_t fused[kLanes], near[kLanes];
+    int32_t any_coloured = 0;
+    for (int l = 0; l < kLanes; ++l) {
+      const Voxel old{words[l]};
+      const int32_t old_distance = old.distance(), old_units = old.weight_units();
+      fused[l] = (weight[l] > 0) & !old.is_frozen();
+      const auto w_old = static_cast<float>(old_units), w_new = static_cast<float>(weight[l]),
+                 d_old = static_cast<float>(old_distance);
+      const float tsdf = max_of(min_of(sdf[l] * per_metre, 1.0f), -1.0f);
+      const float share = w_new / max_of(w_old + w_new, 1.0f);
+      const float mean = floorf(d_old + share * (tsdf * Voxel::kDistanceUnits - d_old) + 0.5f);
+      const float total = min_of(w_old + w_new, most_units);
+      const int32_t distance = fused[l] ? static_cast<int32_t>(mean) : old_distance,
+                    units = fused[l] ? static_cast<int32_t>(total) : old_units;
+      near[l] = (units > 0) & (distance < kNearSurface);
+      words[l] = Voxel::of(distance, units).word | (old.word & Voxel::kFrozen);
+      const int32_t coloured = fused[l] & (fabsf(sdf[l]) < colour_reach);
+      colour_weight[l] = coloured ? w_new : 0.0f;
+      any_coloured |= coloured;
+    }
+    for (int l = 0; l < kLanes; ++l) volume.voxels[first + l].word = words[l];
+    for (int l = 0; l < kLanes; ++l) any[l] |= fused[l];
+    for (int l = 0; l < kLanes; ++l) mask[l] = (mask[l] & ~(1 << z)) | near[l] << z;
+    if (any_coloured && colours)
+      fuse_colours<kLanes>(measured.pixel + z * kLanes, colour_weight, volume.colours + first);
+  }
+
+  // The same running average for the colours of a row; a weight of 0 leaves one as it is.
+  template <int kLanes>
+  KT_HOST_DEVICE void fuse_colours(const int32_t* pixel, const float* weight, ColourVoxel* row) const {
+    uint32_t rgba[kLanes];
+    for (int l = 0; l < kLanes; ++l) rgba[l] = colours[pixel[l]];
+    for (int l = 0; l < kLanes; ++l) {
+      const ColourVoxel old = row[l];
+      const auto w_old = static_cast<float>(old.weight_units());
+      const float w_new = rgba[l] ? weight[l] : 0.0f;
+      const float share = w_new / max_of(w_old + w_new, 1.0f);
+      const auto blend = [share](int32_t mean, uint32_t level) {
+        const auto old_value = static_cast<float>(mean);
+        return static_cast<int32_t>(
+            old_value + share * (static_cast<float>(static_cast<int32_t>(level << 8)) - old_value) + 0.5f);
+      };
+      row[l] = ColourVoxel::of(blend(old.r(), rgba[l] & 255), blend(old.g(), rgba[l] >> 8 & 255),
+                               blend(old.b(), rgba[l] >> 16 & 255),
+                               static_cast<int32_t>(min_of(w_old + w_new, max_weight_units)));
+    }
   }
 };
 
-/// State of a fused brick from its rows; one in which the frame measured nothing stays as it is.
+/// State of a fused brick from its columns; one in which the frame measured nothing stays as it is.
 struct SummariseBrick {
   VolumeView volume;
   const int32_t* slots;
-  const uint8_t* row_flags;
+  const uint8_t* column_fused;
   uint32_t frame_sequence;
 
   KT_HOST_DEVICE void operator()(int64_t i) const {
-    constexpr int kRows = kBrickSide * kBrickSide;
-    uint8_t flags = 0;
-    for (int row = 0; row < kRows; ++row) flags |= row_flags[i * kRows + row];
-    if (!(flags & kRowFused)) return;
     const int64_t slot = slots[i];
-    volume.brick_states[slot] = flags & kRowSurface ? kBrickSurface : kBrickObserved;
-    if (flags & kRowSurface) volume.brick_last_seen[slot] = frame_sequence;
+    uint8_t any_fused = 0, any_near = 0;
+    for (int column = 0; column < kBrickColumns; ++column) {
+      any_fused |= column_fused[i * kBrickColumns + column];
+      any_near |= volume.surface_masks[slot * kBrickColumns + column];
+    }
+    if (!any_fused) return;
+    volume.brick_states[slot] = any_near ? kBrickSurface : kBrickObserved;
+    if (any_near) volume.brick_last_seen[slot] = frame_sequence;
   }
 };
 

@@ -257,7 +257,7 @@ struct RaycastPixel {
         reach[l] = brick_distances[slot[l]];
         // A brick without surface is not read: its memory may never have been touched.
         const Voxel voxel = volume.voxels[reach[l] == 0 ? int64_t{slot[l]} * kBrickVoxels + offset[l] : 0];
-        distance[l] = voxel.distance;
+        distance[l] = voxel.distance();
         weight[l] = voxel.weight_units();
       }
       for (int l = 0; l < kLanes; ++l) {

@@ -86,17 +86,17 @@ struct SliceRow {
     for (int k = 1; k < 4; ++k) load_row(start + Vec3i{0, k & 1, k >> 1}, corners[k]);
     for (int x = 0; x < kBrickSide; ++x) {
       const Vec3i v = start + Vec3i{x, 0, 0};
-      const bool inside = corners[0][x].distance < 0;
+      const bool inside = corners[0][x].distance() < 0;
       const Voxel ends[3] = {corners[0][x + 1], corners[1][x], corners[2][x]};
       for (int axis = 0; axis < 3; ++axis) {
-        if ((ends[axis].distance < 0) != inside && edge_has_exported_cell(v, axis)) visit_vertex(v, axis);
+        if ((ends[axis].distance() < 0) != inside && edge_has_exported_cell(v, axis)) visit_vertex(v, axis);
       }
       int pattern = 0;
       bool observed = true;
       for (int k = 0; k < 8; ++k) {
         const Voxel corner = corners[k >> 1][x + (k & 1)];
         observed &= corner.weight_units() >= rule.min_weight_units;
-        pattern |= (corner.distance < 0 ? 1 : 0) << k;
+        pattern |= (corner.distance() < 0 ? 1 : 0) << k;
       }
       if (observed && pattern > 0 && pattern < 255 && rule.loses_corner(v)) visit_triangles(v, pattern);
     }
@@ -204,14 +204,14 @@ struct WriteSliceRow {
     vertex.n_odom = length > 0.0f ? n * (1.0f / length) : Vec3f{0.0f, 0.0f, 1.0f};
     // Colour: weighted by nearness to the vertex, from those ends that have one.
     const ColourVoxel c0 = volume.colours[i0], c1 = volume.colours[i1];
-    const float w0 = c0.weight_units > 0 ? 1.0f - share + 1e-3f : 0.0f,
-                w1 = c1.weight_units > 0 ? share + 1e-3f : 0.0f;
+    const float w0 = c0.weight_units() > 0 ? 1.0f - share + 1e-3f : 0.0f,
+                w1 = c1.weight_units() > 0 ? share + 1e-3f : 0.0f;
     if (w0 + w1 > 0.0f) {
-      const auto blend = [&](uint16_t a, uint16_t b) {
+      const auto blend = [&](int32_t a, int32_t b) {
         return static_cast<uint8_t>(min_of(
             (w0 * static_cast<float>(a) + w1 * static_cast<float>(b)) / (w0 + w1) / 256.0f + 0.5f, 255.0f));
       };
-      vertex.colour = {blend(c0.r, c1.r), blend(c0.g, c1.g), blend(c0.b, c1.b)};
+      vertex.colour = {blend(c0.r(), c1.r()), blend(c0.g(), c1.g()), blend(c0.b(), c1.b())};
     }
     vertex.weight = (1.0f - share) * volume.voxels[i0].weight() + share * volume.voxels[i1].weight();
     vertex.pose_sequence = volume.brick_last_seen[volume.slot(VolumeView::brick_of(v))];
@@ -253,7 +253,7 @@ struct FreezeRow {
     constexpr int kRows = kBrickSide * kBrickSide;
     Voxel* row = volume.voxels + int64_t{slots[i / kRows]} * kBrickVoxels + i % kRows * kBrickSide;
     for (int x = 0; x < kBrickSide; ++x) {
-      if (row_masks[i] >> x & 1) row[x].weight_bits |= Voxel::kFrozen;
+      if (row_masks[i] >> x & 1) row[x].word |= Voxel::kFrozen;
     }
   }
 };
@@ -273,6 +273,7 @@ struct ClearBrick {
       volume.voxels[k] = {};
       volume.colours[k] = {};
     }
+    for (int64_t k = slot * kBrickColumns; k < (slot + 1) * kBrickColumns; ++k) volume.surface_masks[k] = 0;
     volume.brick_states[slot] = kBrickEmpty;
     volume.brick_last_seen[slot] = 0;
   }

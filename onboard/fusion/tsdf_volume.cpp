@@ -41,12 +41,13 @@ TsdfVolume::TsdfVolume(const exec::Device& device, const PinholeParams& camera, 
       bricks_(checked_bricks(config)),
       voxels_(device, cube(config.resolution)),
       colours_(device, cube(config.resolution)),
+      surface_masks_(device, cube(bricks_) * kBrickColumns),
       brick_states_(device, cube(bricks_)),
       brick_last_seen_(device, cube(bricks_)),
       tiles_(device, int64_t{tiles_across(camera.width, kTileSide)} * tiles_across(camera.height, kTileSide)),
       selected_(device, cube(bricks_)),
       slots_(device, cube(bricks_)),
-      row_flags_(device, cube(bricks_) * kBrickSide * kBrickSide),
+      fused_columns_(device, cube(bricks_) * kBrickColumns),
       brick_distances_(device, cube(bricks_)),
       distance_scratch_{exec::Buffer<uint8_t>(device, cube(bricks_)),
                         exec::Buffer<uint8_t>(device, cube(bricks_))},
@@ -66,6 +67,7 @@ VolumeView TsdfVolume::view() const {
   return {
       self.voxels_.data(),
       self.colours_.data(),
+      self.surface_masks_.data(),
       self.brick_states_.data(),
       self.brick_last_seen_.data(),
       bricks_,
@@ -91,12 +93,14 @@ void TsdfVolume::integrate(const FrameMaps& maps, const Pose& T_odom_camera, int
   exec::for_each(device_, SelectBlock::element_count(bricks_),
                  SelectBlock{volume, camera_, T_camera_volume, tiles_.data(), selected_.data()});
   const int64_t bricks = exec::compact_flags(device_, selected_.data(), selected_.size(), slots_.data());
-  exec::for_each(device_, bricks * kBrickSide * kBrickSide,
-                 FuseRow{volume, camera_, T_camera_volume, slots_.data(), maps.fusion_pixels.data(),
-                         static_cast<float>(config_.max_weight) * Voxel::kWeightUnits, row_flags_.data()});
+  exec::for_each_lane(
+      device_, bricks * kBrickColumns,
+      FuseColumns{volume, camera_, T_camera_volume, slots_.data(), maps.fusion_pixels.data(),
+                  maps.has_colour ? maps.registered_colour.data() : nullptr,
+                  static_cast<float>(config_.max_weight) * Voxel::kWeightUnits, fused_columns_.data()});
   exec::for_each(
       device_, bricks,
-      SummariseBrick{volume, slots_.data(), row_flags_.data(), static_cast<uint32_t>(frame_sequence)});
+      SummariseBrick{volume, slots_.data(), fused_columns_.data(), static_cast<uint32_t>(frame_sequence)});
 }
 
 void TsdfVolume::measure_brick_distances() {

@@ -67,12 +67,13 @@ class TsdfVolume {
   bool placed_ = false;
   exec::Buffer<Voxel> voxels_;
   exec::Buffer<ColourVoxel> colours_;
+  exec::Buffer<uint8_t> surface_masks_;
   exec::Buffer<uint8_t> brick_states_;
   exec::Buffer<uint32_t> brick_last_seen_;
   exec::Buffer<DepthRange> tiles_;
   exec::Buffer<uint8_t> selected_;
   exec::Buffer<int32_t> slots_;
-  exec::Buffer<uint8_t> row_flags_;
+  exec::Buffer<uint8_t> fused_columns_;
   exec::Buffer<uint8_t> brick_distances_;
   std::array<exec::Buffer<uint8_t>, 2> distance_scratch_;
   exec::Buffer<RayStretch> ray_stretches_;

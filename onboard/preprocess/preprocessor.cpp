@@ -53,8 +53,8 @@ Preprocessor::Preprocessor(const exec::Device& device, const Calibration& calibr
   measured_depth_ = {device, DepthView::padded_size(camera_.width, camera_.height)};
   colour_ = {device, calibration.colour.pinhole().pixel_count()};
   colour_positions_ = {device, pixels};
-  registered_colour_ = {device, pixels};
   maps_.fusion_pixels = {device, pixels};
+  maps_.registered_colour = {device, pixels};
   maps_.intensity = {device, calibration.colour};
   PinholeParams camera = camera_;
   int32_t normal_step = 3;  // 3, 2 and 1 pixels: with less, the disparity steps of the sensor show
@@ -138,16 +138,16 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
       find_colour_positions(full.depth_view());
       hide_from_colour(full.depth_view());
     }
-    exec::for_each_pixel(device_, camera_.width, camera_.height,
-                         SampleColour{full.depth_view(), colour_positions_.data(), calibration_.colour.width,
-                                      calibration_.colour.height, colour_.data(), registered_colour_.data()});
+    exec::for_each_pixel(
+        device_, camera_.width, camera_.height,
+        SampleColour{full.depth_view(), colour_positions_.data(), calibration_.colour.width,
+                     calibration_.colour.height, colour_.data(), maps_.registered_colour.data()});
   }
   exec::for_each_pixel(
       device_, camera_.width, camera_.height,
       MakeFusionPixel{measured, camera_, full.normals.data(),
                       static_cast<float>(std::cos(config_.max_view_angle_deg * std::numbers::pi / 180)),
-                      max_slope(camera_, config_.max_view_angle_deg),
-                      maps_.has_colour ? registered_colour_.data() : nullptr, maps_.fusion_pixels.data()});
+                      max_slope(camera_, config_.max_view_angle_deg), maps_.fusion_pixels.data()});
   return maps_;
 }
 

@@ -38,6 +38,9 @@ struct FrameMaps {
   int64_t timestamp_us = 0, colour_timestamp_us = 0;  ///< of the depth and of the colour image
   std::array<SurfaceLevel, kPyramidLevels> levels;    ///< 0 = full resolution
   exec::Buffer<FusionPixel> fusion_pixels;            ///< full resolution
+  /// Colour of each pixel of the depth camera, r in the low byte; a = 0 where there is none. Of an earlier
+  /// frame without colour.
+  exec::Buffer<uint32_t> registered_colour;
   IntensityPyramid intensity;  ///< of the colour camera; of an earlier frame without colour
   bool has_colour = false;
 };
@@ -64,7 +67,6 @@ class Preprocessor {
   exec::Buffer<Rgb8> colour_;
   exec::Buffer<ColourPosition> colour_positions_;  // by depth pixel
   exec::Buffer<float> nearest_in_tiles_;           // empty where both cameras share a viewpoint
-  exec::Buffer<uint32_t> registered_colour_;
   FrameMaps maps_;
 };
 

@@ -52,13 +52,32 @@ struct ComputeNormal {
   }
 };
 
-/// What fusion reads of one depth pixel, in one 16-byte slot.
-struct alignas(16) FusionPixel {
-  float depth_m = 0;  ///< undistorted, unfiltered; 0 = none
-  float distance_scale =
-      0;              ///< distance to the surface's tangent plane per metre of depth difference along the ray
-  float weight = 0;   ///< trust, 1 = head-on at 1 m; 0 = do not fuse
-  uint32_t rgba = 0;  ///< colour registered to this pixel, r in the low byte; a = 0 where there is none
+/// What fusion reads of one depth pixel, in 8 bytes: a frame's pixels are looked up from the cache.
+struct alignas(8) FusionPixel {
+  static constexpr float kScaleUnits = 16384.0f;  ///< of scale 1
+  static constexpr float kWeightUnits = 128.0f;   ///< of weight 1
+  static constexpr float kLargestScale = 3.99f;
+
+  float depth_m = 0;              ///< undistorted, unfiltered; 0 = none
+  uint32_t scale_and_weight = 0;  ///< units of both, the scale in the upper half
+
+  /// Scale in [0, kLargestScale], weight in [0, 1].
+  KT_HOST_DEVICE static uint32_t packed(float scale, float weight) {
+    // By way of int32: SIMD has no other conversion.
+    return static_cast<uint32_t>(static_cast<int32_t>(scale * kScaleUnits + 0.5f)) << 16 |
+           static_cast<uint32_t>(static_cast<int32_t>(weight * kWeightUnits + 0.5f));
+  }
+  /// Distance to the surface's tangent plane per metre of depth difference along the ray.
+  KT_HOST_DEVICE static float scale_of(uint32_t packed) {
+    return static_cast<float>(static_cast<int32_t>(packed >> 16)) * (1.0f / kScaleUnits);
+  }
+  KT_HOST_DEVICE static int32_t weight_units_of(uint32_t packed) {
+    return static_cast<int32_t>(packed & 0xffff);
+  }
+  KT_HOST_DEVICE float distance_scale() const { return scale_of(scale_and_weight); }
+  KT_HOST_DEVICE int32_t weight_units() const { return weight_units_of(scale_and_weight); }
+  /// Trust, 1 = head-on at 1 m; 0 = do not fuse.
+  KT_HOST_DEVICE float weight() const { return static_cast<float>(weight_units()) / kWeightUnits; }
 };
 
 /// Trust of a measurement: falls with 1/z^2 (noise) and with the angle of view, zero at depth edges and
@@ -66,41 +85,37 @@ struct alignas(16) FusionPixel {
 struct MakeFusionPixel {
   DepthView depth;  // unfiltered
   PinholeParams camera;
-  const Vec4f* normals;    // of the filtered depth
-  float min_cosine;        // grazing limit
-  float max_slope;         // as in ComputeNormal: a larger jump is a depth edge
-  const uint32_t* colour;  // registered, or null
-  FusionPixel* pixels;     // out
+  const Vec4f* normals;  // of the filtered depth
+  float min_cosine;      // grazing limit
+  float max_slope;       // as in ComputeNormal: a larger jump is a depth edge
+  FusionPixel* pixels;   // out
 
+  /// Free of branches, so that a row of pixels becomes SIMD.
+  KT_HOST_DEVICE void operator()(int u, int v) const {
+    const int64_t i = int64_t{v} * camera.width + u;
+    const float z = depth.at(u, v);
+    const Vec4f n = normals[i];
+    const Vec3f ray = camera.unproject(static_cast<float>(u), static_cast<float>(v), 1.0f);
+    const float scale = -dot(xyz(n), ray);
+    const float cosine = scale / norm(ray);
+    const bool trusted = (z > 0.0f) & (n.w > 0.0f) & (cosine >= min_cosine) & !is_depth_edge(u, v, z);
+    const float far = max_of(z, 1.0f);
+    pixels[i] = {z, FusionPixel::packed(trusted ? min_of(scale, FusionPixel::kLargestScale) : 0.0f,
+                                        trusted ? cosine / (far * far) : 0.0f)};
+  }
+
+ private:
   KT_HOST_DEVICE bool is_depth_edge(int u, int v, float z) const {
     constexpr int kReach = 2;
     const float limit = max_slope * z * kReach + 3.0f * depth_sigma_m(z);
-    for (int dv = -kReach; dv <= kReach; dv += kReach) {
-      for (int du = -kReach; du <= kReach; du += kReach) {
+    int edge = 0;
+    KT_UNROLL for (int dv = -kReach; dv <= kReach; dv += kReach) {
+      KT_UNROLL for (int du = -kReach; du <= kReach; du += kReach) {
         const float other = depth.at(u + du, v + dv);
-        if (other > 0.0f && fabsf(other - z) > limit) return true;
+        edge |= (other > 0.0f) & (fabsf(other - z) > limit);
       }
     }
-    return false;
-  }
-
-  KT_HOST_DEVICE void operator()(int u, int v) const {
-    const int64_t i = int64_t{v} * camera.width + u;
-    FusionPixel pixel;
-    pixel.depth_m = depth.at(u, v);
-    pixel.rgba = colour ? colour[i] : 0u;
-    const Vec4f n = normals[i];
-    if (pixel.depth_m > 0.0f && n.w > 0.0f) {
-      const Vec3f ray = camera.unproject(static_cast<float>(u), static_cast<float>(v), 1.0f);
-      const float scale = -dot(xyz(n), ray);
-      const float cosine = scale / norm(ray);
-      if (cosine >= min_cosine && !is_depth_edge(u, v, pixel.depth_m)) {
-        const float z = max_of(pixel.depth_m, 1.0f);
-        pixel.distance_scale = scale;
-        pixel.weight = cosine / (z * z);
-      }
-    }
-    pixels[i] = pixel;
+    return edge != 0;
   }
 };
 

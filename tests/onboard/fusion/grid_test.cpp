@@ -101,7 +101,8 @@ TEST(VolumeView, ContainsItsCubeOnly) {
 }
 
 TEST(Voxel, KeepsWeightApartFromTheFrozenFlag) {
-  Voxel voxel{-16384, static_cast<uint16_t>(300 | Voxel::kFrozen)};
+  Voxel voxel = Voxel::of(-16384, 300);
+  voxel.word |= Voxel::kFrozen;
   EXPECT_TRUE(voxel.is_frozen());
   EXPECT_EQ(voxel.weight_units(), 300);
   EXPECT_FLOAT_EQ(voxel.weight(), 300 / 128.0f);

@@ -39,7 +39,7 @@ DistanceErrors distance_errors(const TsdfVolume& volume, const AnalyticScene& sc
   return errors;
 }
 
-TEST(FuseRow, WallGivesItsTruncatedDistance) {
+TEST(FuseColumns, WallGivesItsTruncatedDistance) {
   Recorder recorder{.scene = AnalyticScene({Plane{{0, 0, -1}, -1.0}}), .config = small_volume()};
   recorder.volume.follow(Pose::Identity());
   recorder.fuse(Pose::Identity());
@@ -54,7 +54,7 @@ TEST(FuseRow, WallGivesItsTruncatedDistance) {
   EXPECT_GT(near, 15'000);
 }
 
-TEST(FuseRow, TiltedWallsGiveTheDistanceToTheirPlane) {
+TEST(FuseColumns, TiltedWallsGiveTheDistanceToTheirPlane) {
   for (const auto& [about_x, about_y] : {std::pair{30.0, 0.0}, {-20.0, 40.0}}) {
     const Eigen::Vector3d n = pose_of({about_x, about_y, 0}, {0, 0, 0}).linear() * Eigen::Vector3d(0, 0, -1);
     Recorder recorder{.scene = AnalyticScene({Plane{n, -1.0}}), .config = small_volume()};
@@ -68,7 +68,7 @@ TEST(FuseRow, TiltedWallsGiveTheDistanceToTheirPlane) {
   }
 }
 
-TEST(FuseRow, RoomGivesTheDistanceToItsNearestSurface) {
+TEST(FuseColumns, RoomGivesTheDistanceToItsNearestSurface) {
   Recorder recorder{.scene = furnished_room(), .config = small_volume(0.03, 192)};
   recorder.volume.follow(Pose::Identity());
   for (int i = 0; i < 8; ++i)
@@ -79,7 +79,7 @@ TEST(FuseRow, RoomGivesTheDistanceToItsNearestSurface) {
   EXPECT_LT(errors.mean_m, 0.006) << "creases and silhouettes of a coarse camera included";
 }
 
-TEST(FuseRow, WeightsAddUpToTheirCap) {
+TEST(FuseColumns, WeightsAddUpToTheirCap) {
   const PinholeParams camera = small_calibration().depth.pinhole();
   const exec::Device device = exec::Device::cpu(1);
   VolumeConfig config = small_volume();
@@ -93,25 +93,25 @@ TEST(FuseRow, WeightsAddUpToTheirCap) {
   }
 }
 
-TEST(FuseRow, AveragesByWeight) {
+TEST(FuseColumns, AveragesByWeight) {
   const PinholeParams camera = small_calibration().depth.pinhole();
   const exec::Device device = exec::Device::cpu(1);
   TsdfVolume volume(device, camera, small_volume());
   volume.follow(Pose::Identity());
-  volume.integrate(uniform_maps(device, camera, wall_pixel(1.03f, 3, 0xff0000c8u)), Pose::Identity(),
+  volume.integrate(uniform_maps(device, camera, wall_pixel(1.03f, 3), 0xff0000c8u), Pose::Identity(),
                    0);  // red 200
-  volume.integrate(uniform_maps(device, camera, wall_pixel(0.99f, 1, 0xff006428u)), Pose::Identity(),
+  volume.integrate(uniform_maps(device, camera, wall_pixel(0.99f, 1), 0xff006428u), Pose::Identity(),
                    1);  // red 40, green 100
   EXPECT_NEAR(voxel_at(volume, {0, 0, 1.0}).tsdf() * 0.08f, (3 * 0.03 + 1 * -0.01) / 4, 1e-5);
   const VolumeView view = volume.view();
   const ColourVoxel colour = view.colours[view.index(Vec3i{0, 0, 50} - view.origin_voxel())];
-  EXPECT_NEAR(colour.r / 256.0, (3 * 200 + 40) / 4.0, 0.05);
-  EXPECT_NEAR(colour.g / 256.0, 100 / 4.0, 0.05);
-  EXPECT_EQ(colour.b, 0);
-  EXPECT_EQ(colour.weight_units, 4 * 128);
+  EXPECT_NEAR(colour.r() / 256.0, (3 * 200 + 40) / 4.0, 0.05);
+  EXPECT_NEAR(colour.g() / 256.0, 100 / 4.0, 0.05);
+  EXPECT_EQ(colour.b(), 0);
+  EXPECT_EQ(colour.weight_units(), 4 * 128);
 }
 
-TEST(FuseRow, ColourIsAnAverageAtTheCapToo) {
+TEST(FuseColumns, ColourIsAnAverageAtTheCapToo) {
   const PinholeParams camera = small_calibration().depth.pinhole();
   const exec::Device device = exec::Device::cpu(1);
   VolumeConfig config = small_volume();
@@ -119,33 +119,33 @@ TEST(FuseRow, ColourIsAnAverageAtTheCapToo) {
   TsdfVolume volume(device, camera, config);
   volume.follow(Pose::Identity());
   for (int i = 0; i < 10; ++i)
-    volume.integrate(uniform_maps(device, camera, wall_pixel(1.0f, 1, 0xff0000ffu)), Pose::Identity(), i);
+    volume.integrate(uniform_maps(device, camera, wall_pixel(1.0f, 1), 0xff0000ffu), Pose::Identity(), i);
   for (int i = 0; i < 40; ++i)
-    volume.integrate(uniform_maps(device, camera, wall_pixel(1.0f, 1, 0xffff0000u)), Pose::Identity(), i);
+    volume.integrate(uniform_maps(device, camera, wall_pixel(1.0f, 1), 0xffff0000u), Pose::Identity(), i);
   const VolumeView view = volume.view();
   const ColourVoxel colour = view.colours[view.index(Vec3i{0, 0, 50} - view.origin_voxel())];
-  EXPECT_NEAR(colour.r / 256.0, 255 * std::pow(0.8, 40), 1.0)
+  EXPECT_NEAR(colour.r() / 256.0, 255 * std::pow(0.8, 40), 1.0)
       << "the newest views win where the weight is capped";
-  EXPECT_NEAR(colour.b / 256.0, 255, 1.0);
+  EXPECT_NEAR(colour.b() / 256.0, 255, 1.0);
 }
 
-TEST(FuseRow, PixelsWithoutTrustOrColourChangeNothing) {
+TEST(FuseColumns, PixelsWithoutTrustOrColourChangeNothing) {
   const PinholeParams camera = small_calibration().depth.pinhole();
   const exec::Device device = exec::Device::cpu(1);
   TsdfVolume volume(device, camera, small_volume());
   volume.follow(Pose::Identity());
-  volume.integrate(uniform_maps(device, camera, wall_pixel(1.0f, 1, 0xff0000ffu)), Pose::Identity(), 0);
+  volume.integrate(uniform_maps(device, camera, wall_pixel(1.0f, 1), 0xff0000ffu), Pose::Identity(), 0);
   const uint64_t before = volume.digest();
   volume.integrate(uniform_maps(device, camera, wall_pixel(1.0f, 0)), Pose::Identity(), 1);
   volume.integrate(uniform_maps(device, camera, FusionPixel{}), Pose::Identity(), 2);
   EXPECT_EQ(volume.digest(), before);
-  volume.integrate(uniform_maps(device, camera, wall_pixel(1.0f, 1, 0)), Pose::Identity(), 3);
+  volume.integrate(uniform_maps(device, camera, wall_pixel(1.0f, 1), 0), Pose::Identity(), 3);
   const VolumeView view = volume.view();
-  EXPECT_EQ(view.colours[view.index(Vec3i{0, 0, 50} - view.origin_voxel())].weight_units, 128)
+  EXPECT_EQ(view.colours[view.index(Vec3i{0, 0, 50} - view.origin_voxel())].weight_units(), 128)
       << "no colour, no colour weight";
 }
 
-TEST(FuseRow, CarvesAnObjectThatWentAway) {
+TEST(FuseColumns, CarvesAnObjectThatWentAway) {
   const AnalyticScene empty({Plane{{0, 0, -1}, -1.6}});
   const Sphere ball{{0.1, 0.05, 1.1}, 0.2};
   VolumeConfig config = small_volume();
@@ -155,7 +155,7 @@ TEST(FuseRow, CarvesAnObjectThatWentAway) {
   const auto ball_voxels = [&] {
     int64_t inside = 0;
     for_each_observed(recorder.volume, [&](const Eigen::Vector3d& p, const Voxel& voxel, const ColourVoxel&) {
-      inside += (p - ball.centre).norm() < 0.3 && voxel.distance < 0;
+      inside += (p - ball.centre).norm() < 0.3 && voxel.distance() < 0;
     });
     return inside;
   };
@@ -168,7 +168,7 @@ TEST(FuseRow, CarvesAnObjectThatWentAway) {
     EXPECT_NEAR(vertex.p_odom.z, 1.6f, 0.03f) << "only the wall is left";
 }
 
-TEST(FuseRow, SurvivesDepthFarFromTheVolume) {
+TEST(FuseColumns, SurvivesDepthFarFromTheVolume) {
   const PinholeParams camera = small_calibration().depth.pinhole();
   const exec::Device device = exec::Device::cpu(1);
   TsdfVolume volume(device, camera, small_volume());

@@ -10,18 +10,22 @@
 
 namespace kt::test {
 
-/// Frame maps that hold what fusion reads: one pixel for all of the image.
-inline FrameMaps uniform_maps(const exec::Device& device, const PinholeParams& camera,
-                              const FusionPixel& pixel) {
+/// Frame maps that hold what fusion reads: one pixel and colour for all of the image.
+inline FrameMaps uniform_maps(const exec::Device& device, const PinholeParams& camera, FusionPixel pixel,
+                              uint32_t rgba = 0xff808080u) {
+  const auto pixels = static_cast<size_t>(camera.pixel_count());
   FrameMaps maps;
   maps.fusion_pixels = {device, camera.pixel_count()};
-  maps.fusion_pixels.upload(std::vector<FusionPixel>(static_cast<size_t>(camera.pixel_count()), pixel));
+  maps.fusion_pixels.upload(std::vector<FusionPixel>(pixels, pixel));
+  maps.registered_colour = {device, camera.pixel_count()};
+  maps.registered_colour.upload(std::vector<uint32_t>(pixels, rgba));
+  maps.has_colour = true;
   return maps;
 }
 
-/// A wall across the view at `depth_m`, seen with `weight`; grey.
-inline FusionPixel wall_pixel(float depth_m, float weight = 1, uint32_t rgba = 0xff808080u) {
-  return {depth_m, 1.0f, weight, rgba};
+/// A wall across the view at `depth_m`, seen with `weight`.
+inline FusionPixel wall_pixel(float depth_m, float weight = 1) {
+  return {depth_m, FusionPixel::packed(1.0f, weight)};
 }
 
 /// A scene, a rig that records it and a volume that fuses it.

@@ -147,8 +147,8 @@ TEST(Shift, FreezesWhatAnExportedCellShares) {
   for (int i = 0; i < 5; ++i) fuse(1.02f);
   EXPECT_NE(volume.digest(), digest) << "the others go on";
   for (const auto& [i, voxel] : frozen) {
-    EXPECT_EQ(view.voxels[i].distance, voxel.distance);
-    EXPECT_EQ(view.voxels[i].weight_bits, voxel.weight_bits);
+    EXPECT_EQ(view.voxels[i].distance(), voxel.distance());
+    EXPECT_EQ(view.voxels[i].word, voxel.word);
   }
   for (int z = 0; z < 96; ++z) {
     for (int y = 0; y < 96; ++y) {

@@ -25,7 +25,7 @@ int compare_with_texture(const Calibration& calibration, const Plane& wall) {
   int coloured = 0;
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
-      const Rgba seen = unpack(maps.fusion(u, v).rgba);
+      const Rgba seen = unpack(maps.rgba(u, v));
       const Eigen::Vector3d p = wall_depth(wall, camera, u, v) *
                                 Eigen::Vector3d((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
       const Eigen::Vector2d pixel = calibration.colour.project(calibration.T_colour_depth * p);
@@ -80,8 +80,8 @@ TEST(RegisteredColour, IsMissingWhereDepthIs) {
   for (int u = 0; u < 160; ++u) frame.depth(u, 60) = 0;
   const HostMaps maps = preprocess(calibration, frame);
   for (int u = 1; u < 158; ++u) {
-    EXPECT_EQ(maps.fusion(u, 60).rgba, 0u);
-    EXPECT_NE(maps.fusion(u, 50).rgba, 0u);
+    EXPECT_EQ(maps.rgba(u, 60), 0u);
+    EXPECT_NE(maps.rgba(u, 50), 0u);
   }
 }
 
@@ -92,7 +92,7 @@ TEST(RegisteredColour, WithoutAColourImageThereIsNone) {
   preprocessor.process(frame);  // with colour: nothing of it may remain
   frame.colour = {};
   const HostMaps maps(preprocessor.process(frame));
-  for (const FusionPixel& pixel : maps.fusion_pixels) ASSERT_EQ(pixel.rgba, 0u);
+  EXPECT_TRUE(maps.colours.empty());
 }
 
 }  // namespace

@@ -27,11 +27,17 @@ struct HostLevel {
 struct HostMaps {
   std::vector<HostLevel> levels;
   std::vector<FusionPixel> fusion_pixels;
+  std::vector<uint32_t> colours;  // registered; none without a colour image
 
   explicit HostMaps(const FrameMaps& maps)
-      : levels(maps.levels.begin(), maps.levels.end()), fusion_pixels(maps.fusion_pixels.downloaded()) {}
+      : levels(maps.levels.begin(), maps.levels.end()), fusion_pixels(maps.fusion_pixels.downloaded()) {
+    if (maps.has_colour) colours = maps.registered_colour.downloaded();
+  }
   const FusionPixel& fusion(int u, int v) const {
     return fusion_pixels[static_cast<size_t>(v * levels[0].camera.width + u)];
+  }
+  uint32_t rgba(int u, int v) const {
+    return colours.at(static_cast<size_t>(v * levels[0].camera.width + u));
   }
 };
 

@@ -62,7 +62,7 @@ class View {
         if (maps.fusion(u, v).depth_m <= 0) continue;
         const auto hit = scene_.trace(Vector3d::Zero(), ray_of_pixel(calibration_.depth, u, v));
         if (!hit || !is_in_colour_image(hit->p_world)) continue;
-        if (maps.fusion(u, v).rgba != 0) {
+        if (maps.rgba(u, v) != 0) {
           ++counts.coloured;
           counts.wrongly_coloured += is_hidden_throughout(hit->p_world, 1.5);
         } else {
@@ -166,7 +166,7 @@ TEST(HideFromColour, LeavesNothingOfTheBoxOnTheWallBehindIt) {
     int red = 0, blue = 0;
     for (int v = is_along_u ? 90 : 0; v < (is_along_u ? 150 : depth.height); ++v) {
       for (int u = is_along_u ? 0 : 120; u < (is_along_u ? depth.width : 200); ++u) {
-        const uint32_t rgba = maps.fusion(u, v).rgba;
+        const uint32_t rgba = maps.rgba(u, v);
         if (rgba == 0 || !is_wall(Vector3d::Zero(), ray_of_pixel(depth, u, v))) continue;
         ++((rgba & 255) > 0 ? red : blue);
       }
@@ -221,8 +221,8 @@ TEST(HideFromColour, HolesHideNothing) {
   const HostMaps maps = preprocess(view.calibration(), frame);
   for (int u = 50; u < 270; ++u) {
     const FusionPixel& pixel = maps.fusion(u, 120);
-    EXPECT_EQ(pixel.depth_m > 0, pixel.rgba != 0) << u;
-    coloured += pixel.rgba != 0;
+    EXPECT_EQ(pixel.depth_m > 0, maps.rgba(u, 120) != 0) << u;
+    coloured += maps.rgba(u, 120) != 0;
   }
   EXPECT_GT(coloured, 60);
 }
@@ -235,8 +235,8 @@ TEST(HideFromColour, LeavesDepthAndTrustAlone) {
   const HostMaps with = preprocess(view.calibration(), frame), without = preprocess(registered, frame);
   for (size_t i = 0; i < with.fusion_pixels.size(); ++i) {
     ASSERT_EQ(with.fusion_pixels[i].depth_m, without.fusion_pixels[i].depth_m);
-    ASSERT_EQ(with.fusion_pixels[i].distance_scale, without.fusion_pixels[i].distance_scale);
-    ASSERT_EQ(with.fusion_pixels[i].weight, without.fusion_pixels[i].weight);
+    ASSERT_EQ(with.fusion_pixels[i].distance_scale(), without.fusion_pixels[i].distance_scale());
+    ASSERT_EQ(with.fusion_pixels[i].weight(), without.fusion_pixels[i].weight());
   }
 }
 
@@ -248,7 +248,7 @@ TEST(HideFromColour, GivesTheSameBitsOnEveryDevice) {
     for (const exec::Device& device : parity_devices()) {
       Digest digest;
       Preprocessor preprocessor(device, view.calibration(), {});
-      digest.add(std::span<const FusionPixel>(preprocessor.process(frame).fusion_pixels.downloaded()));
+      digest.add(std::span<const uint32_t>(preprocessor.process(frame).registered_colour.downloaded()));
       digests.push_back(digest.value());
       EXPECT_EQ(digests.back(), digests.front()) << offset.name << ", " << name_of(device);
     }

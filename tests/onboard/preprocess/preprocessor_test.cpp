@@ -19,6 +19,7 @@ uint64_t digest_of(const FrameMaps& maps) {
     digest.add(std::span<const Vec4f>(level.normals.downloaded()));
   }
   digest.add(std::span<const FusionPixel>(maps.fusion_pixels.downloaded()));
+  digest.add(std::span<const uint32_t>(maps.registered_colour.downloaded()));
   return digest.value();
 }
 
@@ -67,7 +68,7 @@ TEST(Preprocessor, OfAnEmptyFrameHasNothing) {
   for (const HostLevel& level : maps.levels) {
     for (const Vec4f& n : level.normals) ASSERT_EQ(n.w, 0);
   }
-  for (const FusionPixel& pixel : maps.fusion_pixels) ASSERT_EQ(pixel.weight, 0);
+  for (const FusionPixel& pixel : maps.fusion_pixels) ASSERT_EQ(pixel.weight(), 0);
 }
 
 TEST(Preprocessor, RefusesACalibrationThatMakesNoSense) {
