@@ -15,21 +15,50 @@ struct IntensityView {
   const float* levels = nullptr;
   int32_t width = 0, height = 0;
 
-  /// Bilinear value, and its exact derivative by u and v, at a pixel; false where one of the four pixels
-  /// around is outside or shows nothing.
+  /// Bilinear values at kLanes pixels and their exact derivatives by u and v; `shown` is 0 where one of the
+  /// four pixels around is outside or shows nothing.
+  template <int kLanes>
+  struct Samples {
+    float level[kLanes], by_u[kLanes], by_v[kLanes];
+    int32_t shown[kLanes];
+  };
+  template <int kLanes>
+  KT_HOST_DEVICE void sample(const float* u, const float* v, Samples<kLanes>* samples) const {
+    const float last_u = static_cast<float>(width - 1), last_v = static_cast<float>(height - 1);
+    int32_t inside[kLanes], at[kLanes];
+    float fu[kLanes], fv[kLanes], upper_left[kLanes], upper_right[kLanes], lower_left[kLanes],
+        lower_right[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      inside[l] = (u[l] >= 0.0f) & (v[l] >= 0.0f) & (u[l] < last_u) & (v[l] < last_v);
+      const float at_u = inside[l] ? u[l] : 0.0f, at_v = inside[l] ? v[l] : 0.0f;
+      const int32_t u0 = static_cast<int32_t>(at_u), v0 = static_cast<int32_t>(at_v);
+      fu[l] = at_u - static_cast<float>(u0);
+      fv[l] = at_v - static_cast<float>(v0);
+      at[l] = v0 * width + u0;
+    }
+    for (int l = 0; l < kLanes; ++l) upper_left[l] = levels[at[l]];
+    for (int l = 0; l < kLanes; ++l) upper_right[l] = levels[at[l] + 1];
+    for (int l = 0; l < kLanes; ++l) lower_left[l] = levels[at[l] + width];
+    for (int l = 0; l < kLanes; ++l) lower_right[l] = levels[at[l] + width + 1];
+    for (int l = 0; l < kLanes; ++l) {
+      const float across_upper = upper_right[l] - upper_left[l],
+                  across_lower = lower_right[l] - lower_left[l];
+      const float upper = upper_left[l] + fu[l] * across_upper, lower = lower_left[l] + fu[l] * across_lower;
+      samples->level[l] = upper + fv[l] * (lower - upper);
+      samples->by_u[l] = across_upper + fv[l] * (across_lower - across_upper);
+      samples->by_v[l] = lower - upper;
+      samples->shown[l] = inside[l] & (upper_left[l] >= 0.0f) & (upper_right[l] >= 0.0f) &
+                          (lower_left[l] >= 0.0f) & (lower_right[l] >= 0.0f);
+    }
+  }
+  /// At one pixel; false where nothing is shown.
   KT_HOST_DEVICE bool sample(float u, float v, float* level, float* by_u, float* by_v) const {
-    if (!(u >= 0.0f && v >= 0.0f && u < static_cast<float>(width - 1) && v < static_cast<float>(height - 1)))
-      return false;
-    const int u0 = static_cast<int>(u), v0 = static_cast<int>(v);
-    const float fu = u - static_cast<float>(u0), fv = v - static_cast<float>(v0);
-    const float* row0 = levels + int64_t{v0} * width + u0;
-    const float* row1 = row0 + width;
-    if (row0[0] < 0.0f || row0[1] < 0.0f || row1[0] < 0.0f || row1[1] < 0.0f) return false;
-    const float upper = row0[0] + fu * (row0[1] - row0[0]), lower = row1[0] + fu * (row1[1] - row1[0]);
-    *level = upper + fv * (lower - upper);
-    *by_u = (row0[1] - row0[0]) + fv * ((row1[1] - row1[0]) - (row0[1] - row0[0]));
-    *by_v = lower - upper;
-    return true;
+    Samples<1> samples;
+    sample(&u, &v, &samples);
+    *level = samples.level[0];
+    *by_u = samples.by_u[0];
+    *by_v = samples.by_v[0];
+    return samples.shown[0] != 0;
   }
 };
 

@@ -18,31 +18,54 @@ struct ProjectiveAssociation {
   const Vec4f* model_points;  // in the model camera
   const Vec4f* model_normals;
 
-  struct Pair {
-    Vec3f p, n;  // measured point and normal, moved into the model camera
-    Vec3f model_p, model_n;
-    float z;  // measured depth
+  /// What the pixels of kLanes lanes met.
+  template <int kLanes>
+  struct Pairs {
+    Vec3fs<kLanes> p, n;  // measured point and normal, moved into the model camera
+    Vec3fs<kLanes> model_p, model_n;
+    float z[kLanes];        // measured depth
+    int32_t found[kLanes];  // 0 where the pixel has no measurement or its ray meets no model surface
   };
 
-  /// False where the pixel has no measurement or its ray meets no model surface.
-  KT_HOST_DEVICE bool find(int64_t i, Pair* pair) const {
-    const int u = static_cast<int>(i % camera.width), v = static_cast<int>(i / camera.width);
-    const Vec4f n = normals[i];
-    if (n.w <= 0.0f) return false;
-    pair->z = depth.at(u, v);
-    pair->p = T_model_current * camera.unproject(static_cast<float>(u), static_cast<float>(v), pair->z);
-    if (pair->p.z <= 0.05f) return false;
-    const float mu = model_camera.project_u(pair->p) + 0.5f, mv = model_camera.project_v(pair->p) + 0.5f;
-    if (!(mu >= 0.0f && mv >= 0.0f && mu < static_cast<float>(model_camera.width) &&
-          mv < static_cast<float>(model_camera.height)))
-      return false;
-    const int64_t m = static_cast<int64_t>(mv) * model_camera.width + static_cast<int64_t>(mu);
-    const Vec4f q = model_points[m];
-    if (q.w <= 0.0f) return false;
-    pair->n = T_model_current.R * xyz(n);
-    pair->model_p = xyz(q);
-    pair->model_n = xyz(model_normals[m]);
-    return true;
+  /// Pixels i to i + kLanes - 1.
+  template <int kLanes>
+  KT_HOST_DEVICE void find(int64_t i, Pairs<kLanes>* pairs) const {
+    // Loops of their own for look-ups and for arithmetic: a CPU computes the latter as SIMD.
+    const PixelsOf<kLanes> pixels(i, camera.width);
+    float z[kLanes];
+    Vec3fs<kLanes> n, model_p, model_n;
+    float valid[kLanes], model_valid[kLanes];
+    for (int l = 0; l < kLanes; ++l) z[l] = depth.at(pixels.u[l], pixels.v[l]);
+    for (int l = 0; l < kLanes; ++l) {
+      const Vec4f normal = normals[i + l];
+      n.set(l, xyz(normal));
+      valid[l] = normal.w;
+    }
+    int32_t in_view[kLanes], m[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const Vec3f p = T_model_current * camera.unproject(static_cast<float>(pixels.u[l]),
+                                                         static_cast<float>(pixels.v[l]), z[l]);
+      const float mu = model_camera.project_u(p) + 0.5f, mv = model_camera.project_v(p) + 0.5f;
+      in_view[l] = (valid[l] > 0.0f) & (p.z > 0.05f) & (mu >= 0.0f) & (mv >= 0.0f) &
+                   (mu < static_cast<float>(model_camera.width)) &
+                   (mv < static_cast<float>(model_camera.height));
+      m[l] = static_cast<int32_t>(in_view[l] ? mv : 0.0f) * model_camera.width +
+             static_cast<int32_t>(in_view[l] ? mu : 0.0f);
+      pairs->p.set(l, p);
+      pairs->n.set(l, T_model_current.R * n.at(l));
+    }
+    for (int l = 0; l < kLanes; ++l) {
+      const Vec4f point = model_points[m[l]];
+      model_p.set(l, xyz(point));
+      model_valid[l] = point.w;
+    }
+    for (int l = 0; l < kLanes; ++l) model_n.set(l, xyz(model_normals[m[l]]));
+    for (int l = 0; l < kLanes; ++l) {
+      pairs->model_p.set(l, model_p.at(l));
+      pairs->model_n.set(l, model_n.at(l));
+      pairs->z[l] = z[l];
+      pairs->found[l] = in_view[l] & (model_valid[l] > 0.0f);
+    }
   }
 };
 
@@ -50,33 +73,37 @@ struct ProjectiveAssociation {
 /// T_model_current:
 ///   r = n_m . (p - p_m),  dr/dxi = [p x n_m; n_m],  weight = 1 / sigma(z)^2 * Cauchy(r / sigma)
 struct PointToPlane {
+  static constexpr int kUnknowns = 6;
+
   ProjectiveAssociation association;
   float max_distance_m, min_normal_cosine;  // gates
   float sigma_scale;    // noise at this level relative to depth_sigma_m: larger at coarse levels, where the
                         // guess is worse
   float cauchy_sigmas;  // scale of the robust loss in sigma
 
-  KT_HOST_DEVICE exec::ResidualRow operator()(int64_t i) const {
-    exec::ResidualRow row;
-    ProjectiveAssociation::Pair pair;
-    if (!association.find(i, &pair)) return row;
-    const Vec3f difference = pair.p - pair.model_p;
-    if (squared_norm(difference) > max_distance_m * max_distance_m ||
-        dot(pair.n, pair.model_n) < min_normal_cosine)
-      return row;
-    const Vec3f n = pair.model_n, moment = cross(pair.p, n);
-    const float r = dot(n, difference);
-    const float sigma = sigma_scale * depth_sigma_m(pair.z);
-    const float scaled = r / (cauchy_sigmas * sigma);
-    row.jacobian[0] = moment.x;
-    row.jacobian[1] = moment.y;
-    row.jacobian[2] = moment.z;
-    row.jacobian[3] = n.x;
-    row.jacobian[4] = n.y;
-    row.jacobian[5] = n.z;
-    row.residual = r;
-    row.weight = 1.0f / (sigma * sigma * (1.0f + scaled * scaled));
-    return row;
+  KT_HOST_DEVICE exec::ResidualRow operator()(int64_t i) const { return exec::row_at(*this, i); }
+
+  template <int kLanes>
+  KT_HOST_DEVICE void rows(int64_t i, exec::ResidualRowsOf<kUnknowns, kLanes>* rows) const {
+    ProjectiveAssociation::Pairs<kLanes> pairs;
+    association.find(i, &pairs);
+    for (int l = 0; l < kLanes; ++l) {
+      const Vec3f p = pairs.p.at(l), n = pairs.model_n.at(l);
+      const Vec3f difference = p - pairs.model_p.at(l), moment = cross(p, n);
+      const float r = dot(n, difference);
+      const float sigma = sigma_scale * depth_sigma_m(pairs.z[l]);
+      const float scaled = r / (cauchy_sigmas * sigma);
+      const int32_t kept = pairs.found[l] & (squared_norm(difference) <= max_distance_m * max_distance_m) &
+                           (dot(pairs.n.at(l), n) >= min_normal_cosine);
+      rows->jacobian[0][l] = kept ? moment.x : 0.0f;
+      rows->jacobian[1][l] = kept ? moment.y : 0.0f;
+      rows->jacobian[2][l] = kept ? moment.z : 0.0f;
+      rows->jacobian[3][l] = kept ? n.x : 0.0f;
+      rows->jacobian[4][l] = kept ? n.y : 0.0f;
+      rows->jacobian[5][l] = kept ? n.z : 0.0f;
+      rows->residual[l] = kept ? r : 0.0f;
+      rows->weight[l] = kept ? 1.0f / (sigma * sigma * (1.0f + scaled * scaled)) : 0.0f;
+    }
   }
 };
 
@@ -89,10 +116,11 @@ struct JudgePixel {
 
   KT_HOST_DEVICE exec::ResidualRow operator()(int64_t i) const {
     exec::ResidualRow row;
-    ProjectiveAssociation::Pair pair;
     if (!could_be_known(i)) return row;
+    ProjectiveAssociation::Pairs<1> pair;
+    cost.association.find(i, &pair);
     row.weight = 1.0f;
-    row.residual = cost.association.find(i, &pair) ? 1.0f : 0.0f;
+    row.residual = pair.found[0] ? 1.0f : 0.0f;
     row.jacobian[0] = cost(i).weight > 0.0f ? 1.0f : 0.0f;
     return row;
   }

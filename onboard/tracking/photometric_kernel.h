@@ -32,47 +32,67 @@ struct PhotometricImage {
   /// c = T_colour_model q in the colour camera:
   ///   r = I(pi(c)) - (1 + gain) I_r - bias,  weight = 1 / sigma^2 * Cauchy(r / sigma)
   /// With w = R_colour_model^T (dpi/dc)^T grad I:  dr/dxi = [w x q; -w].
-  KT_HOST_DEVICE exec::ResidualRowOf<kPhotometricUnknowns> residual(float reference, Vec3f q, Vec3f c,
-                                                                    const Mat3f& R_colour_model) const {
-    exec::ResidualRowOf<kPhotometricUnknowns> row;
-    if (c.z <= 0.05f) return row;
-    const float inverse_z = 1.0f / c.z;
-    float level, by_u, by_v;
-    if (!intensity.sample(c.x * inverse_z * camera.fx + camera.cx, c.y * inverse_z * camera.fy + camera.cy,
-                          &level, &by_u, &by_v))
-      return row;
-    const float r = level - (1.0f + exposure.gain) * reference - exposure.bias;
-    const float gx = by_u * camera.fx * inverse_z, gy = by_v * camera.fy * inverse_z;
-    const Vec3f by_c{gx, gy, -(gx * c.x + gy * c.y) * inverse_z};
+  template <int kLanes>
+  KT_HOST_DEVICE void residuals(const float* reference, const Vec3fs<kLanes>& q, const Vec3fs<kLanes>& c,
+                                const Mat3f& R_colour_model,
+                                exec::ResidualRowsOf<kPhotometricUnknowns, kLanes>* rows) const {
+    float u[kLanes], v[kLanes], inverse_z[kLanes];
+    int32_t in_front[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      in_front[l] = c.z[l] > 0.05f;
+      inverse_z[l] = 1.0f / (in_front[l] ? c.z[l] : 1.0f);
+      u[l] = c.x[l] * inverse_z[l] * camera.fx + camera.cx;
+      v[l] = c.y[l] * inverse_z[l] * camera.fy + camera.cy;
+    }
+    IntensityView::Samples<kLanes> seen;
+    intensity.sample(u, v, &seen);
     const float* R = R_colour_model.m;
-    const Vec3f w{R[0] * by_c.x + R[3] * by_c.y + R[6] * by_c.z,
-                  R[1] * by_c.x + R[4] * by_c.y + R[7] * by_c.z,
-                  R[2] * by_c.x + R[5] * by_c.y + R[8] * by_c.z};
-    const Vec3f moment = cross(w, q);
-    const float scaled = r / (cauchy_sigmas * sigma);
-    row.jacobian[0] = moment.x;
-    row.jacobian[1] = moment.y;
-    row.jacobian[2] = moment.z;
-    row.jacobian[3] = -w.x;
-    row.jacobian[4] = -w.y;
-    row.jacobian[5] = -w.z;
-    row.jacobian[kGainUnknown] = -reference;
-    row.jacobian[kBiasUnknown] = -kBiasUnit;
-    row.residual = r;
-    row.weight = 1.0f / (sigma * sigma * (1.0f + scaled * scaled));
-    return row;
+    for (int l = 0; l < kLanes; ++l) {
+      const int32_t kept = in_front[l] & seen.shown[l];
+      const float r = seen.level[l] - (1.0f + exposure.gain) * reference[l] - exposure.bias;
+      const float gx = seen.by_u[l] * camera.fx * inverse_z[l], gy = seen.by_v[l] * camera.fy * inverse_z[l];
+      const Vec3f by_c{gx, gy, -(gx * c.x[l] + gy * c.y[l]) * inverse_z[l]};
+      const Vec3f w{R[0] * by_c.x + R[3] * by_c.y + R[6] * by_c.z,
+                    R[1] * by_c.x + R[4] * by_c.y + R[7] * by_c.z,
+                    R[2] * by_c.x + R[5] * by_c.y + R[8] * by_c.z};
+      const Vec3f moment = cross(w, q.at(l));
+      const float scaled = r / (cauchy_sigmas * sigma);
+      rows->jacobian[0][l] = kept ? moment.x : 0.0f;
+      rows->jacobian[1][l] = kept ? moment.y : 0.0f;
+      rows->jacobian[2][l] = kept ? moment.z : 0.0f;
+      rows->jacobian[3][l] = kept ? -w.x : 0.0f;
+      rows->jacobian[4][l] = kept ? -w.y : 0.0f;
+      rows->jacobian[5][l] = kept ? -w.z : 0.0f;
+      rows->jacobian[kGainUnknown][l] = kept ? -reference[l] : 0.0f;
+      rows->jacobian[kBiasUnknown][l] = kept ? -kBiasUnit : 0.0f;
+      rows->residual[l] = kept ? r : 0.0f;
+      rows->weight[l] = kept ? 1.0f / (sigma * sigma * (1.0f + scaled * scaled)) : 0.0f;
+    }
   }
 };
 
 /// Residuals of the points of the reference.
 struct PhotometricResidual {
+  static constexpr int kUnknowns = kPhotometricUnknowns;
+
   const Vec4f* points;  // in the depth camera of the reference (m), w = intensity
   Rigid3f T_model_reference, T_colour_model;
   PhotometricImage image;  // of the frame
 
-  KT_HOST_DEVICE exec::ResidualRowOf<kPhotometricUnknowns> operator()(int64_t i) const {
-    const Vec3f q = T_model_reference * xyz(points[i]);
-    return image.residual(points[i].w, q, T_colour_model * q, T_colour_model.R);
+  KT_HOST_DEVICE exec::ResidualRowOf<kUnknowns> operator()(int64_t i) const { return exec::row_at(*this, i); }
+
+  template <int kLanes>
+  KT_HOST_DEVICE void rows(int64_t i, exec::ResidualRowsOf<kUnknowns, kLanes>* rows) const {
+    Vec3fs<kLanes> q, c;
+    float reference[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const Vec4f point = points[i + l];
+      const Vec3f at = T_model_reference * xyz(point);
+      q.set(l, at);
+      c.set(l, T_colour_model * at);
+      reference[l] = point.w;
+    }
+    image.residuals(reference, q, c, T_colour_model.R, rows);
   }
 };
 
@@ -80,15 +100,29 @@ struct PhotometricResidual {
 /// infinity. The unknowns are the left perturbation omega of R_last_current, in the colour camera, and the
 /// exposure; those of the translation mean nothing.
 struct RotationResidual {
+  static constexpr int kUnknowns = kPhotometricUnknowns;
+
   IntensityView last;  // of the same camera as the image
   Mat3f R_current_last;
   PhotometricImage image;
 
-  KT_HOST_DEVICE exec::ResidualRowOf<kPhotometricUnknowns> operator()(int64_t i) const {
-    if (last.levels[i] < 0.0f) return {};
-    const int u = static_cast<int>(i % last.width), v = static_cast<int>(i / last.width);
-    const Vec3f q = image.camera.unproject(static_cast<float>(u), static_cast<float>(v), 1.0f);
-    return image.residual(last.levels[i], q, R_current_last * q, R_current_last);
+  KT_HOST_DEVICE exec::ResidualRowOf<kUnknowns> operator()(int64_t i) const { return exec::row_at(*this, i); }
+
+  template <int kLanes>
+  KT_HOST_DEVICE void rows(int64_t i, exec::ResidualRowsOf<kUnknowns, kLanes>* rows) const {
+    PixelsOf<kLanes> pixels(i, last.width);
+    Vec3fs<kLanes> q, c;
+    float reference[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const Vec3f ray =
+          image.camera.unproject(static_cast<float>(pixels.u[l]), static_cast<float>(pixels.v[l]), 1.0f);
+      Vec3f at = R_current_last * ray;
+      reference[l] = last.levels[i + l];
+      at.z = reference[l] < 0.0f ? -1.0f : at.z;  // nothing is shown there: not in front
+      q.set(l, ray);
+      c.set(l, at);
+    }
+    image.residuals(reference, q, c, R_current_last, rows);
   }
 };
 

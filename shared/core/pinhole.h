@@ -26,6 +26,23 @@ struct PinholeParams {
   int64_t pixel_count() const { return int64_t{width} * height; }
 };
 
+/// Pixels i to i + kLanes - 1 of an image, row by row.
+template <int kLanes>
+struct PixelsOf {
+  int32_t u[kLanes], v[kLanes];
+
+  KT_HOST_DEVICE PixelsOf(int64_t i, int32_t width) {
+    const int32_t u0 = static_cast<int32_t>(i % width), v0 = static_cast<int32_t>(i / width);
+    const float per_row = 1.0f / static_cast<float>(width);
+    for (int l = 0; l < kLanes; ++l) {
+      // Rows below the first; half a pixel keeps rounding from mattering.
+      const auto rows = static_cast<int32_t>((static_cast<float>(u0 + l) + 0.5f) * per_row);
+      u[l] = u0 + l - rows * width;
+      v[l] = v0 + rows;
+    }
+  }
+};
+
 /// A pinhole with Brown-Conrady distortion {k1, k2, p1, p2, k3}: how points map to pixels of the image as
 /// recorded.
 struct DistortedPinholeParams {

@@ -23,6 +23,14 @@ struct alignas(16) Vec4f {
   float x = 0, y = 0, z = 0, w = 0;
 };
 
+/// kLanes vectors as arrays over the lanes, which a CPU handles as SIMD.
+template <int kLanes>
+struct Vec3fs {
+  float x[kLanes], y[kLanes], z[kLanes];
+  KT_HOST_DEVICE Vec3f at(int l) const { return {x[l], y[l], z[l]}; }
+  KT_HOST_DEVICE void set(int l, Vec3f p) { x[l] = p.x, y[l] = p.y, z[l] = p.z; }
+};
+
 struct Vec3i {
   int32_t x = 0, y = 0, z = 0;
   friend bool operator==(const Vec3i&, const Vec3i&) = default;

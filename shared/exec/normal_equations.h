@@ -10,6 +10,7 @@
 #include "shared/core/host_device.h"
 #include "shared/exec/buffer.h"
 #include "shared/exec/device.h"
+#include "shared/exec/for_each.h"
 #include "shared/exec/launch_observer.h"
 
 namespace kt::exec {
@@ -24,6 +25,24 @@ struct ResidualRowOf {
 };
 /// By xi = [rotation; translation].
 using ResidualRow = ResidualRowOf<6>;
+
+/// The same of kLanes neighbouring elements, as arrays over the lanes.
+template <int kUnknowns, int kLanes>
+struct ResidualRowsOf {
+  float jacobian[kUnknowns][kLanes], residual[kLanes], weight[kLanes];
+};
+
+/// Element i of a functor that has rows<kLanes>.
+template <typename Functor>
+KT_HOST_DEVICE inline ResidualRowOf<Functor::kUnknowns> row_at(const Functor& functor, int64_t i) {
+  ResidualRowsOf<Functor::kUnknowns, 1> rows;
+  functor.template rows<1>(i, &rows);
+  ResidualRowOf<Functor::kUnknowns> row;
+  for (int k = 0; k < Functor::kUnknowns; ++k) row.jacobian[k] = rows.jacobian[k][0];
+  row.residual = rows.residual[0];
+  row.weight = rows.weight[0];
+  return row;
+}
 
 /// A = sum w J^T J, b = sum w J^T r, and what judges the fit.
 template <int kUnknowns>
@@ -112,7 +131,47 @@ template <typename Functor>
 void launch_reduce(int64_t count, const Functor& functor, float* chunk_terms);
 #endif
 
-/// Sums functor(i) -> ResidualRowOf<N> over i in [0, count).
+/// Rows i to i + kSimdLanes - 1 of a functor, zero from `end` on.
+template <typename Functor, typename Rows>
+inline void fill_rows(const Functor& functor, int64_t i, int64_t end, Rows* rows) {
+  if constexpr (requires { functor.template rows<kSimdLanes>(i, rows); }) {
+    if (i + kSimdLanes <= end) return functor.template rows<kSimdLanes>(i, rows);
+  }
+  for (int l = 0; l < kSimdLanes; ++l) {
+    const auto row = i + l < end ? functor(i + l) : decltype(functor(i)){};
+    for (int k = 0; k < row.kSize; ++k) rows->jacobian[k][l] = row.jacobian[k];
+    rows->residual[l] = row.residual;
+    rows->weight[l] = row.weight;
+  }
+}
+
+/// Adds the products of rows to the terms of lanes `first` to `first` + kSimdLanes - 1.
+template <int kUnknowns>
+inline void add_rows(const ResidualRowsOf<kUnknowns, kSimdLanes>& rows, int first,
+                     float (*lanes)[kReductionLanes]) {
+  using At = ReductionTerms<kUnknowns>;
+  float any = 0.0f;
+  for (int l = 0; l < kSimdLanes; ++l) any += rows.weight[l];
+  if (!(any > 0.0f)) return;  // adding zeros changes no bit
+  const auto add = [&](int term, const float* a, const float* b) {
+    for (int l = 0; l < kSimdLanes; ++l) lanes[term][first + l] += a[l] * b[l];
+  };
+  int term = 0;
+  float weighted[kSimdLanes], ones[kSimdLanes];
+  for (int i = 0; i < kUnknowns; ++i) {
+    for (int l = 0; l < kSimdLanes; ++l) weighted[l] = rows.weight[l] * rows.jacobian[i][l];
+    for (int j = i; j < kUnknowns; ++j) add(term++, weighted, rows.jacobian[j]);
+    add(At::kB + i, weighted, rows.residual);
+  }
+  for (int l = 0; l < kSimdLanes; ++l) weighted[l] = rows.weight[l] * rows.residual[l];
+  add(At::kSquares, weighted, rows.residual);
+  for (int l = 0; l < kSimdLanes; ++l) ones[l] = 1.0f;
+  add(At::kWeights, rows.weight, ones);
+  for (int l = 0; l < kSimdLanes; ++l) lanes[At::kCount][first + l] += rows.weight[l] > 0.0f ? 1.0f : 0.0f;
+}
+
+/// Sums functor(i) -> ResidualRowOf<N> over i in [0, count). A functor may also have rows<kLanes>(i,
+/// ResidualRowsOf<N, kLanes>*), which computes kLanes elements at once: SIMD on a CPU.
 template <typename Functor>
 NormalEquationsOf<kUnknownsOf<Functor>> reduce_normal_equations(const Device& device, int64_t count,
                                                                 const Functor& functor,
@@ -120,7 +179,6 @@ NormalEquationsOf<kUnknownsOf<Functor>> reduce_normal_equations(const Device& de
   const ObservedLaunch observed(device, typeid(Functor).name(), count);
   constexpr int kUnknowns = kUnknownsOf<Functor>;
   using At = ReductionTerms<kUnknowns>;
-  using Row = ResidualRowOf<kUnknowns>;
   float* chunk_terms = workspace.chunk_terms(ReductionWorkspace::chunks(count) * At::kTerms);
 #if defined(KT_HAVE_CUDA)
   if (device.is_cuda()) {
@@ -131,32 +189,11 @@ NormalEquationsOf<kUnknownsOf<Functor>> reduce_normal_equations(const Device& de
   device.pool().run(ReductionWorkspace::chunks(count), [&](int64_t chunk) {
     const Functor f = functor;
     alignas(64) float lanes[At::kTerms][kReductionLanes] = {};
-    // Rows are gathered first, lane by lane, so that their products run over the lanes as SIMD.
-    alignas(64) float rows[kUnknowns][kReductionLanes], residuals[kReductionLanes], weights[kReductionLanes];
-    const int64_t end = std::min(count, (chunk + 1) * kReductionChunk);
-    for (int64_t begin = chunk * kReductionChunk; begin < end; begin += kReductionLanes) {
-      bool any = false;
-      for (int lane = 0; lane < kReductionLanes; ++lane) {
-        const Row row = begin + lane < end ? f(begin + lane) : Row{};
-        for (int i = 0; i < kUnknowns; ++i) rows[i][lane] = row.jacobian[i];
-        residuals[lane] = row.residual;
-        weights[lane] = row.weight;
-        any |= row.weight > 0;
-      }
-      if (!any) continue;  // adding zeros changes no bit
-      int k = 0;
-      for (int i = 0; i < kUnknowns; ++i) {
-        alignas(64) float weighted[kReductionLanes];
-        for (int l = 0; l < kReductionLanes; ++l) weighted[l] = weights[l] * rows[i][l];
-        for (int j = i; j < kUnknowns; ++j, ++k) {
-          for (int l = 0; l < kReductionLanes; ++l) lanes[k][l] += weighted[l] * rows[j][l];
-        }
-        for (int l = 0; l < kReductionLanes; ++l) lanes[At::kB + i][l] += weighted[l] * residuals[l];
-      }
-      for (int l = 0; l < kReductionLanes; ++l)
-        lanes[At::kSquares][l] += weights[l] * residuals[l] * residuals[l];
-      for (int l = 0; l < kReductionLanes; ++l) lanes[At::kWeights][l] += weights[l];
-      for (int l = 0; l < kReductionLanes; ++l) lanes[At::kCount][l] += weights[l] > 0 ? 1.0f : 0.0f;
+    const int64_t begin = chunk * kReductionChunk, end = std::min(count, begin + kReductionChunk);
+    for (int64_t i = begin; i < end; i += kSimdLanes) {
+      alignas(32) ResidualRowsOf<kUnknowns, kSimdLanes> rows;
+      fill_rows(f, i, end, &rows);
+      add_rows<kUnknowns>(rows, static_cast<int>((i - begin) % kReductionLanes), lanes);
     }
     for (int k = 0; k < At::kTerms; ++k) {
       for (int half = kReductionLanes / 2; half > 0; half /= 2) {
