@@ -7,47 +7,82 @@
 
 namespace kt {
 
-/// Trilinear samples of the volume; positions in local voxel units.
+/// Trilinear samples of the volume at kLanes positions in local voxel units.
 struct VolumeSampler {
   VolumeView volume;
 
-  /// TSDF (and its gradient per voxel, where asked) inside the cell of g; false where a corner is unobserved
-  /// or outside.
-  KT_HOST_DEVICE bool sample(Vec3f g, float* tsdf, Vec3f* gradient = nullptr) const {
+  template <int kLanes>
+  struct Samples {
+    float tsdf[kLanes];
+    Vec3fs<kLanes> gradient;   // per voxel
+    int32_t observed[kLanes];  // 0 where a corner of the cell is unobserved or outside
+  };
+
+  /// Reads nothing for lanes that are not wanted.
+  template <int kLanes>
+  KT_HOST_DEVICE void sample(const Vec3fs<kLanes>& g, const int32_t* wanted, Samples<kLanes>* samples) const {
     const float limit = static_cast<float>(volume.voxels_per_axis() - 1);
-    if (!(g.x >= 0.0f && g.y >= 0.0f && g.z >= 0.0f && g.x < limit && g.y < limit && g.z < limit))
-      return false;
-    const Vec3i v{static_cast<int32_t>(g.x), static_cast<int32_t>(g.y), static_cast<int32_t>(g.z)};
-    const float x = g.x - static_cast<float>(v.x), y = g.y - static_cast<float>(v.y),
-                z = g.z - static_cast<float>(v.z);
-    float f[8];
-    int observed = 1;
-    if ((v.x & 7) < 7 && (v.y & 7) < 7 && (v.z & 7) < 7) {  // the usual case: one brick
-      const Voxel* base = volume.voxels + volume.index(v);
-      for (int k = 0; k < 8; ++k) {
-        const Voxel voxel = base[(k & 1) + (k >> 1 & 1) * kBrickSide + (k >> 2) * kBrickSide * kBrickSide];
-        f[k] = voxel.tsdf();
-        observed &= voxel.weight_units() > 0;
-      }
-    } else {
-      for (int k = 0; k < 8; ++k) {
-        const Voxel voxel = volume.voxels[volume.index({v.x + (k & 1), v.y + (k >> 1 & 1), v.z + (k >> 2)})];
-        f[k] = voxel.tsdf();
-        observed &= voxel.weight_units() > 0;
+    int32_t inside[kLanes];
+    Vec3fs<kLanes> share;  // of the way to the next voxel
+    Corners<kLanes> x, y, z;
+    const int32_t along_y = volume.bricks, along_z = volume.bricks * volume.bricks;
+    for (int l = 0; l < kLanes; ++l) {
+      inside[l] = (wanted[l] != 0) & (g.x[l] >= 0.0f) & (g.y[l] >= 0.0f) & (g.z[l] >= 0.0f) &
+                  (g.x[l] < limit) & (g.y[l] < limit) & (g.z[l] < limit);
+      share.x[l] = x.set(l, inside[l] ? g.x[l] : 0.0f, volume, volume.ring_origin.x, 1, 1);
+      share.y[l] = y.set(l, inside[l] ? g.y[l] : 0.0f, volume, volume.ring_origin.y, along_y, kBrickSide);
+      share.z[l] = z.set(l, inside[l] ? g.z[l] : 0.0f, volume, volume.ring_origin.z, along_z, kBrickColumns);
+    }
+    uint32_t words[8][kLanes];
+    for (int k = 0; k < 8; ++k) {
+      const int kx = k & 1, ky = k >> 1 & 1, kz = k >> 2;
+      int32_t slot[kLanes], offset[kLanes];
+      for (int l = 0; l < kLanes; ++l) slot[l] = x.slot[kx][l] + y.slot[ky][l] + z.slot[kz][l];
+      for (int l = 0; l < kLanes; ++l) offset[l] = x.offset[kx][l] + y.offset[ky][l] + z.offset[kz][l];
+      for (int l = 0; l < kLanes; ++l) {
+        words[k][l] = inside[l] ? volume.voxels[int64_t{slot[l]} * kBrickVoxels + offset[l]].word : 0;
       }
     }
-    if (!observed) return false;
-    const float f00 = f[0] + x * (f[1] - f[0]), f10 = f[2] + x * (f[3] - f[2]);
-    const float f01 = f[4] + x * (f[5] - f[4]), f11 = f[6] + x * (f[7] - f[6]);
-    const float f0 = f00 + y * (f10 - f00), f1 = f01 + y * (f11 - f01);
-    *tsdf = f0 + z * (f1 - f0);
-    if (gradient) {
-      const float dx0 = (f[1] - f[0]) + y * ((f[3] - f[2]) - (f[1] - f[0]));
-      const float dx1 = (f[5] - f[4]) + y * ((f[7] - f[6]) - (f[5] - f[4]));
-      *gradient = {dx0 + z * (dx1 - dx0), (f10 - f00) + z * ((f11 - f01) - (f10 - f00)), f1 - f0};
+    for (int l = 0; l < kLanes; ++l) {
+      float f[8];
+      int32_t observed = inside[l];
+      KT_UNROLL for (int k = 0; k < 8; ++k) {
+        const Voxel voxel{words[k][l]};
+        f[k] = static_cast<float>(voxel.distance()) * (1.0f / Voxel::kDistanceUnits);
+        observed &= voxel.weight_units() > 0;
+      }
+      const float x1 = share.x[l], y1 = share.y[l], z1 = share.z[l];
+      const float f00 = f[0] + x1 * (f[1] - f[0]), f10 = f[2] + x1 * (f[3] - f[2]);
+      const float f01 = f[4] + x1 * (f[5] - f[4]), f11 = f[6] + x1 * (f[7] - f[6]);
+      const float f0 = f00 + y1 * (f10 - f00), f1 = f01 + y1 * (f11 - f01);
+      const float dx0 = (f[1] - f[0]) + y1 * ((f[3] - f[2]) - (f[1] - f[0]));
+      const float dx1 = (f[5] - f[4]) + y1 * ((f[7] - f[6]) - (f[5] - f[4]));
+      samples->tsdf[l] = f0 + z1 * (f1 - f0);
+      samples->gradient.x[l] = dx0 + z1 * (dx1 - dx0);
+      samples->gradient.y[l] = (f10 - f00) + z1 * ((f11 - f01) - (f10 - f00));
+      samples->gradient.z[l] = f1 - f0;
+      samples->observed[l] = observed;
     }
-    return true;
   }
+
+ private:
+  // What the voxels below and above a position contribute, along one axis, to slot and offset in the brick.
+  template <int kLanes>
+  struct Corners {
+    int32_t slot[2][kLanes], offset[2][kLanes];
+
+    /// Returns the share of the way from the lower to the upper one.
+    KT_HOST_DEVICE float set(int l, float g, const VolumeView& volume, int32_t ring_origin,
+                             int32_t slots_per_brick, int32_t voxels_per_step) {
+      const auto lower = static_cast<int32_t>(g);
+      KT_UNROLL for (int k = 0; k < 2; ++k) {
+        const int32_t voxel = lower + k;
+        slot[k][l] = volume.wrap((voxel >> kLog2BrickSide) + ring_origin) * slots_per_brick;
+        offset[k][l] = (voxel & (kBrickSide - 1)) * voxels_per_step;
+      }
+      return g - static_cast<float>(lower);
+    }
+  };
 };
 
 /// A ray through the volume, parametrised by the camera's depth (m).
@@ -102,7 +137,8 @@ struct VolumeRay {
   }
 };
 
-inline constexpr int kRayTileSide = 8;      // px
+inline constexpr int kRayTileSide = 8;  // px
+inline constexpr int kTilePixels = kRayTileSide * kRayTileSide;
 inline constexpr float kRayNudgeM = 1e-4f;  // past a cell border, so that rounding cannot stop a ray on it
 
 /// The stretch of depth in which pixels of a tile can meet surface.
@@ -175,30 +211,39 @@ struct RaycastPixel {
 
   template <int kLanes>
   KT_HOST_DEVICE void run(int64_t element) const {
-    static_assert(kRayTileSide % kLanes == 0);
+    static_assert(kTilePixels % kLanes == 0);
     const int tiles_per_row = (camera.width + kRayTileSide - 1) / kRayTileSide;
     const int tile = static_cast<int>(element / kTilePixels), pixel = static_cast<int>(element % kTilePixels);
-    const int u = tile % tiles_per_row * kRayTileSide + pixel % kRayTileSide,
-              v = tile / tiles_per_row * kRayTileSide + pixel / kRayTileSide;
-    if (u >= camera.width || v >= camera.height) return;
+    const int u0 = tile % tiles_per_row * kRayTileSide, v0 = tile / tiles_per_row * kRayTileSide;
     Rays<kLanes> rays;
     rays.start = T_volume_camera.t * (1.0f / sampler.volume.voxel_size_m);
+    const float nearest_m = max_of(stretches[tile].start_m, min_depth_m),
+                farthest_m = min_of(stretches[tile].end_m, max_depth_m);
     for (int l = 0; l < kLanes; ++l) {
       rays.set(l, VolumeRay(sampler.volume, T_volume_camera,
-                            camera.unproject(static_cast<float>(u + l), static_cast<float>(v), 1.0f),
-                            max_of(stretches[tile].start_m, min_depth_m),
-                            min_of(stretches[tile].end_m, max_depth_m)));
+                            camera.unproject(static_cast<float>(u0 + (pixel + l) % kRayTileSide),
+                                             static_cast<float>(v0 + (pixel + l) / kRayTileSide), 1.0f),
+                            nearest_m, farthest_m));
     }
     march(&rays);
-    for (int l = 0; l < kLanes && u + l < camera.width; ++l) {
-      const int64_t i = int64_t{v} * camera.width + u + l;
-      points[i] = normals[i] = {};
-      if (rays.hit[l]) finish(u + l, v, rays.start, rays.direction(l), rays.t[l], &points[i], &normals[i]);
+    Surface<kLanes> surface;
+    finish(rays, u0, v0, pixel, &surface);
+    for (int l = 0; l < kLanes; ++l) {
+      const int u = u0 + (pixel + l) % kRayTileSide, v = v0 + (pixel + l) / kRayTileSide;
+      if (u >= camera.width || v >= camera.height) continue;
+      const int64_t i = int64_t{v} * camera.width + u;
+      points[i] = {surface.p.x[l], surface.p.y[l], surface.p.z[l], surface.found[l]};
+      normals[i] = {surface.n.x[l], surface.n.y[l], surface.n.z[l], surface.found[l]};
     }
   }
 
  private:
-  static constexpr int kTilePixels = kRayTileSide * kRayTileSide;
+  // Points and normals in the camera frame; all 0 where there is none.
+  template <int kLanes>
+  struct Surface {
+    Vec3fs<kLanes> p, n;
+    float found[kLanes];
+  };
 
   // The rays and where each has got to, as arrays over the lanes.
   template <int kLanes>
@@ -286,30 +331,46 @@ struct RaycastPixel {
     }
   }
 
-  // Two Newton steps along the ray on the trilinear field, then point and normal in the camera frame; nothing
-  // where the field is not observed there, or the surface faces away.
-  KT_HOST_DEVICE void finish(int u, int v, Vec3f start, Vec3f direction, float depth, Vec4f* point,
-                             Vec4f* normal) const {
-    Vec3f gradient;
+  // Two Newton steps along the ray on the trilinear field, then point and normal; nothing where the field is
+  // not observed there, or the surface faces away.
+  template <int kLanes>
+  KT_HOST_DEVICE void finish(const Rays<kLanes>& rays, int u0, int v0, int pixel,
+                             Surface<kLanes>* surface) const {
+    const Vec3f start = rays.start;
+    const float truncation_m = sampler.volume.truncation_m;
+    float depth[kLanes];
+    int32_t found[kLanes];
+    for (int l = 0; l < kLanes; ++l) depth[l] = rays.t[l];
+    for (int l = 0; l < kLanes; ++l) found[l] = rays.hit[l];
+    VolumeSampler::Samples<kLanes> samples;
     for (int step = 0; step < 2; ++step) {
-      float tsdf;
-      if (!sampler.sample(start + direction * depth, &tsdf, &gradient)) return;
-      const float slope = dot(gradient, direction);  // per metre of depth
-      if (!(slope < -1e-3f)) return;
-      const float correction = tsdf / slope;
-      if (fabsf(correction) > sampler.volume.truncation_m) return;
-      depth -= correction;
+      Vec3fs<kLanes> g;
+      for (int l = 0; l < kLanes; ++l) g.set(l, start + rays.direction(l) * depth[l]);
+      sampler.sample(g, found, &samples);
+      for (int l = 0; l < kLanes; ++l) {
+        const float slope = dot(samples.gradient.at(l), rays.direction(l));  // per metre of depth
+        const int32_t falls = samples.observed[l] & (slope < -1e-3f);
+        const float correction = samples.tsdf[l] / (falls ? slope : -1.0f);
+        found[l] = falls & (fabsf(correction) <= truncation_m);
+        depth[l] -= found[l] ? correction : 0.0f;
+      }
     }
-    const float length = norm(gradient);
     const float* R = T_volume_camera.R.m;  // its transpose turns the gradient into the camera frame
-    const Vec3f n = Vec3f{R[0] * gradient.x + R[3] * gradient.y + R[6] * gradient.z,
-                          R[1] * gradient.x + R[4] * gradient.y + R[7] * gradient.z,
-                          R[2] * gradient.x + R[5] * gradient.y + R[8] * gradient.z} *
-                    (1.0f / length);
-    const Vec3f p = camera.unproject(static_cast<float>(u), static_cast<float>(v), 1.0f) * depth;
-    if (!(length > 1e-6f && dot(n, p) < 0.0f)) return;
-    *point = {p.x, p.y, p.z, 1.0f};
-    *normal = {n.x, n.y, n.z, 1.0f};
+    for (int l = 0; l < kLanes; ++l) {
+      const Vec3f gradient = samples.gradient.at(l);
+      const float length = norm(gradient), inverse_length = 1.0f / max_of(length, 1e-6f);
+      const Vec3f n = Vec3f{R[0] * gradient.x + R[3] * gradient.y + R[6] * gradient.z,
+                            R[1] * gradient.x + R[4] * gradient.y + R[7] * gradient.z,
+                            R[2] * gradient.x + R[5] * gradient.y + R[8] * gradient.z} *
+                      inverse_length;
+      const Vec3f p = camera.unproject(static_cast<float>(u0 + (pixel + l) % kRayTileSide),
+                                       static_cast<float>(v0 + (pixel + l) / kRayTileSide), 1.0f) *
+                      depth[l];
+      const int32_t shown = found[l] & (length > 1e-6f) & (dot(n, p) < 0.0f);
+      surface->p.set(l, {shown ? p.x : 0.0f, shown ? p.y : 0.0f, shown ? p.z : 0.0f});
+      surface->n.set(l, {shown ? n.x : 0.0f, shown ? n.y : 0.0f, shown ? n.z : 0.0f});
+      surface->found[l] = shown ? 1.0f : 0.0f;
+    }
   }
 };
 

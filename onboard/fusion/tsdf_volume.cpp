@@ -129,16 +129,16 @@ const ModelView& TsdfVolume::raycast(const Pose& T_odom_camera) {
                        tiles_across(camera.height, kRayTileSide),
                        RaycastTile{volume, brick_distances_.data(), camera, T_volume_camera, kNearestM,
                                    kFarthestM, ray_stretches_.data()});
-  exec::for_each_lane(device_, RaycastPixel::element_count(camera),
-                      RaycastPixel{{volume},
-                                   brick_distances_.data(),
-                                   camera,
-                                   T_volume_camera,
-                                   kNearestM,
-                                   kFarthestM,
-                                   ray_stretches_.data(),
-                                   model_view_.points.data(),
-                                   model_view_.normals.data()});
+  exec::for_each_lane<exec::kWideLanes>(device_, RaycastPixel::element_count(camera),
+                                        RaycastPixel{{volume},
+                                                     brick_distances_.data(),
+                                                     camera,
+                                                     T_volume_camera,
+                                                     kNearestM,
+                                                     kFarthestM,
+                                                     ray_stretches_.data(),
+                                                     model_view_.points.data(),
+                                                     model_view_.normals.data()});
   return model_view_;
 }
 

@@ -44,19 +44,19 @@ void for_each(const Device& device, int64_t count, const Functor& functor) {
 }
 
 /// Lanes that a CPU thread runs in step: the floats of one AVX register.
-inline constexpr int kSimdLanes = 8;
+inline constexpr int kSimdLanes = 8, kWideLanes = 32;
 
 /// Calls functor.run<kLanes>(i) for every kLanes-th i in [0, count), which does elements i to i + kLanes - 1
 /// in loops over arrays of kLanes: SIMD on a CPU, where kLanes is kSimdLanes; a thread per element on a GPU,
 /// where it is 1. Elements stay independent, so both give the same bits. `count` is a multiple of kSimdLanes.
-template <typename Functor>
+template <int kCpuLanes = kSimdLanes, typename Functor>
 void for_each_lane(const Device& device, int64_t count, const Functor& functor) {
   const ObservedLaunch observed(device, typeid(Functor).name(), count);
 #if defined(KT_HAVE_CUDA)
   if (device.is_cuda()) return launch_for_each_lane(count, functor);
 #endif
-  for_each_on_cpu(device, count / kSimdLanes,
-                  [functor](int64_t i) { functor.template run<kSimdLanes>(i * kSimdLanes); });
+  for_each_on_cpu(device, count / kCpuLanes,
+                  [functor](int64_t i) { functor.template run<kCpuLanes>(i * kCpuLanes); });
 }
 
 /// Calls functor(u, v) for every pixel of a width x height image, rows in parallel.
