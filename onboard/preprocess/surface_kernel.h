@@ -9,7 +9,7 @@
 namespace kt {
 
 /// Normal of the filtered depth at a pixel from central differences over `step` pixels (one-sided beside a
-/// hole or an edge). Free of branches, so that a row of pixels becomes SIMD.
+/// hole or an edge).
 struct ComputeNormal {
   DepthView depth;
   PinholeParams camera;
@@ -18,37 +18,50 @@ struct ComputeNormal {
                     // surface
   Vec4f* normals;   // out: unit normal in the camera frame facing the camera; w = 1 where valid, else all 0
 
-  KT_HOST_DEVICE void operator()(int u, int v) const {
-    const float z = depth.at(u, v);
-    const float limit = max_slope * z * static_cast<float>(step) + 3.0f * depth_sigma_m(z);
-    const float ray_x = (static_cast<float>(u) - camera.cx) / camera.fx,
-                ray_y = (static_cast<float>(v) - camera.cy) / camera.fy;
-    const Difference along_u = difference(depth.at(u + step, v), depth.at(u - step, v), z, limit),
-                     along_v = difference(depth.at(u, v + step), depth.at(u, v - step), z, limit);
-    const float reach_x = static_cast<float>(step) / camera.fx,
-                reach_y = static_cast<float>(step) / camera.fy;
-    const Vec3f tangent_u{ray_x * along_u.dz + reach_x * along_u.z_sum, ray_y * along_u.dz, along_u.dz};
-    const Vec3f tangent_v{ray_x * along_v.dz, ray_y * along_v.dz + reach_y * along_v.z_sum, along_v.dz};
-    const Vec3f n = cross(tangent_v, tangent_u);  // u right, v down: points back to the camera
-    const float length = norm(n);
-    const float valid =
-        (z > 0.0f) & (along_u.z_sum > 0.0f) & (along_v.z_sum > 0.0f) & (length > 0.0f) ? 1.0f : 0.0f;
-    const float scale = valid / (length > 0.0f ? length : 1.0f);
-    normals[int64_t{v} * camera.width + u] = {n.x * scale, n.y * scale, n.z * scale, valid};
+  KT_HOST_DEVICE void operator()(int u, int v) const { lanes<1>(u, v); }
+
+  template <int kLanes>
+  KT_HOST_DEVICE void lanes(int u, int v) const {
+    const float* here = depth.depth_m + depth.index(u, v);
+    const float* above = depth.depth_m + depth.index(u, v - step);
+    const float* below = depth.depth_m + depth.index(u, v + step);
+    const float reach = static_cast<float>(step);
+    const float reach_x = reach / camera.fx, reach_y = reach / camera.fy;
+    const float ray_y = (static_cast<float>(v) - camera.cy) / camera.fy;
+    Vec3fs<kLanes> n;
+    float valid[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const float z = here[l];
+      const float limit = max_slope * z * reach + 3.0f * depth_sigma_m(z);
+      const float ray_x = (static_cast<float>(u + l) - camera.cx) / camera.fx;
+      const Difference along_u = difference(here[l + step], here[l - step], z, limit),
+                       along_v = difference(below[l], above[l], z, limit);
+      const Vec3f tangent_u{ray_x * along_u.dz + reach_x * along_u.z_sum, ray_y * along_u.dz, along_u.dz};
+      const Vec3f tangent_v{ray_x * along_v.dz, ray_y * along_v.dz + reach_y * along_v.z_sum, along_v.dz};
+      const Vec3f normal = cross(tangent_v, tangent_u);  // u right, v down: points back to the camera
+      const float length = norm(normal);
+      const int32_t is_valid = (z > 0.0f) & along_u.kept & along_v.kept & (length > 0.0f);
+      const float inverse = 1.0f / (is_valid ? length : 1.0f);
+      valid[l] = is_valid ? 1.0f : 0.0f;
+      n.set(l, normal * (is_valid ? inverse : 0.0f));
+    }
+    Vec4f* out = normals + int64_t{v} * camera.width + u;
+    for (int l = 0; l < kLanes; ++l) out[l] = {n.x[l], n.y[l], n.z[l], valid[l]};
   }
 
  private:
   // Between the points ahead and behind of a pixel, of which those beside a hole or an edge are replaced by
-  // the pixel itself: depth difference, and the sum of the depths of those kept, by which the distance across
-  // grows.
+  // the pixel itself: depth difference, the sum of the depths of those kept, by which the distance across
+  // grows, and whether there is one.
   struct Difference {
     float dz, z_sum;
+    int32_t kept;
   };
   KT_HOST_DEVICE static Difference difference(float ahead, float behind, float z, float limit) {
-    const bool has_ahead = (ahead > 0.0f) & (fabsf(ahead - z) <= limit),
-               has_behind = (behind > 0.0f) & (fabsf(behind - z) <= limit);
+    const int32_t has_ahead = (ahead > 0.0f) & (fabsf(ahead - z) <= limit),
+                  has_behind = (behind > 0.0f) & (fabsf(behind - z) <= limit);
     return {(has_ahead ? ahead : z) - (has_behind ? behind : z),
-            (has_ahead ? ahead : 0.0f) + (has_behind ? behind : 0.0f)};
+            (has_ahead ? ahead : 0.0f) + (has_behind ? behind : 0.0f), has_ahead | has_behind};
   }
 };
 
@@ -90,32 +103,43 @@ struct MakeFusionPixel {
   float max_slope;       // as in ComputeNormal: a larger jump is a depth edge
   FusionPixel* pixels;   // out
 
-  /// Free of branches, so that a row of pixels becomes SIMD.
-  KT_HOST_DEVICE void operator()(int u, int v) const {
-    const int64_t i = int64_t{v} * camera.width + u;
-    const float z = depth.at(u, v);
-    const Vec4f n = normals[i];
-    const Vec3f ray = camera.unproject(static_cast<float>(u), static_cast<float>(v), 1.0f);
-    const float scale = -dot(xyz(n), ray);
-    const float cosine = scale / norm(ray);
-    const bool trusted = (z > 0.0f) & (n.w > 0.0f) & (cosine >= min_cosine) & !is_depth_edge(u, v, z);
-    const float far = max_of(z, 1.0f);
-    pixels[i] = {z, FusionPixel::packed(trusted ? min_of(scale, FusionPixel::kLargestScale) : 0.0f,
-                                        trusted ? cosine / (far * far) : 0.0f)};
-  }
+  KT_HOST_DEVICE void operator()(int u, int v) const { lanes<1>(u, v); }
 
- private:
-  KT_HOST_DEVICE bool is_depth_edge(int u, int v, float z) const {
+  template <int kLanes>
+  KT_HOST_DEVICE void lanes(int u, int v) const {
     constexpr int kReach = 2;
-    const float limit = max_slope * z * kReach + 3.0f * depth_sigma_m(z);
-    int edge = 0;
-    KT_UNROLL for (int dv = -kReach; dv <= kReach; dv += kReach) {
-      KT_UNROLL for (int du = -kReach; du <= kReach; du += kReach) {
-        const float other = depth.at(u + du, v + dv);
-        edge |= (other > 0.0f) & (fabsf(other - z) > limit);
-      }
+    const float* here = depth.depth_m + depth.index(u, v);
+    const float* above = depth.depth_m + depth.index(u, v - kReach);
+    const float* below = depth.depth_m + depth.index(u, v + kReach);
+    const int64_t i = int64_t{v} * camera.width + u;
+    const float ray_y = (static_cast<float>(v) - camera.cy) / camera.fy;
+    Vec3fs<kLanes> n;
+    float valid[kLanes], z[kLanes];
+    uint32_t packed[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const Vec4f normal = normals[i + l];
+      n.set(l, xyz(normal));
+      valid[l] = normal.w;
     }
-    return edge != 0;
+    for (int l = 0; l < kLanes; ++l) {
+      z[l] = here[l];
+      const float limit = max_slope * z[l] * kReach + 3.0f * depth_sigma_m(z[l]);
+      const auto is_edge = [&](const float* row, int at) {
+        return static_cast<int32_t>((row[at] > 0.0f) & (fabsf(row[at] - z[l]) > limit));
+      };
+      int32_t edge = 0;
+      KT_UNROLL for (int at = -kReach; at <= kReach; at += kReach) {
+        edge |= is_edge(above, l + at) | is_edge(here, l + at) | is_edge(below, l + at);
+      }
+      const Vec3f ray{(static_cast<float>(u + l) - camera.cx) / camera.fx, ray_y, 1.0f};
+      const float scale = -dot(n.at(l), ray);
+      const float cosine = scale / norm(ray);
+      const int32_t trusted = (z[l] > 0.0f) & (valid[l] > 0.0f) & (cosine >= min_cosine) & (edge == 0);
+      const float far = max_of(z[l], 1.0f);
+      packed[l] = FusionPixel::packed(trusted ? min_of(scale, FusionPixel::kLargestScale) : 0.0f,
+                                      trusted ? cosine / (far * far) : 0.0f);
+    }
+    for (int l = 0; l < kLanes; ++l) pixels[i + l] = {z[l], packed[l]};
   }
 };
 
@@ -149,27 +173,46 @@ struct SampleColour {
   const Rgb8* colour;    // as recorded
   uint32_t* registered;  // out, rgba
 
-  KT_HOST_DEVICE void operator()(int u, int v) const {
+  KT_HOST_DEVICE void operator()(int u, int v) const { lanes<1>(u, v); }
+
+  template <int kLanes>
+  KT_HOST_DEVICE void lanes(int u, int v) const {
     const int64_t i = int64_t{v} * depth.width + u;
-    const auto [cu, cv] = positions[i];
-    uint32_t rgba = 0;
-    if (depth.at(u, v) > 0.0f && cu >= 0.0f && cv >= 0.0f && cu <= static_cast<float>(colour_width - 1) &&
-        cv <= static_cast<float>(colour_height - 1)) {
-      const int u0 = static_cast<int>(cu), v0 = static_cast<int>(cv);
-      const float fu = cu - static_cast<float>(u0), fv = cv - static_cast<float>(v0);
-      const Rgb8* row0 = colour + int64_t{v0} * colour_width + u0;
-      const int right = u0 + 1 < colour_width ? 1 : 0;
-      const Rgb8* row1 = v0 + 1 < colour_height ? row0 + colour_width : row0;
-      const float w00 = (1.0f - fu) * (1.0f - fv), w10 = fu * (1.0f - fv), w01 = (1.0f - fu) * fv,
-                  w11 = fu * fv;
-      const auto blend = [&](uint8_t a, uint8_t b, uint8_t c, uint8_t d) {
-        return static_cast<uint32_t>(w00 * a + w10 * b + w01 * c + w11 * d + 0.5f);
-      };
-      rgba = blend(row0[0].r, row0[right].r, row1[0].r, row1[right].r) |
-             blend(row0[0].g, row0[right].g, row1[0].g, row1[right].g) << 8 |
-             blend(row0[0].b, row0[right].b, row1[0].b, row1[right].b) << 16 | 0xff000000u;
+    const float* z = depth.depth_m + depth.index(u, v);
+    const auto last_u = static_cast<float>(colour_width - 1), last_v = static_cast<float>(colour_height - 1);
+    float fu[kLanes], fv[kLanes];
+    int32_t seen[kLanes], at[kLanes], right[kLanes], below[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const ColourPosition position = positions[i + l];
+      seen[l] = (z[l] > 0.0f) & (position.u >= 0.0f) & (position.v >= 0.0f) & (position.u <= last_u) &
+                (position.v <= last_v);
+      const float at_u = seen[l] ? position.u : 0.0f, at_v = seen[l] ? position.v : 0.0f;
+      const auto u0 = static_cast<int32_t>(at_u), v0 = static_cast<int32_t>(at_v);
+      fu[l] = at_u - static_cast<float>(u0);
+      fv[l] = at_v - static_cast<float>(v0);
+      at[l] = v0 * colour_width + u0;
+      right[l] = u0 + 1 < colour_width ? 1 : 0;
+      below[l] = v0 + 1 < colour_height ? colour_width : 0;
     }
-    registered[i] = rgba;
+    uint32_t corners[4][kLanes];
+    for (int l = 0; l < kLanes; ++l) corners[0][l] = colour[at[l]].packed();
+    for (int l = 0; l < kLanes; ++l) corners[1][l] = colour[at[l] + right[l]].packed();
+    for (int l = 0; l < kLanes; ++l) corners[2][l] = colour[at[l] + below[l]].packed();
+    for (int l = 0; l < kLanes; ++l) corners[3][l] = colour[at[l] + below[l] + right[l]].packed();
+    uint32_t rgba[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const float w00 = (1.0f - fu[l]) * (1.0f - fv[l]), w10 = fu[l] * (1.0f - fv[l]),
+                  w01 = (1.0f - fu[l]) * fv[l], w11 = fu[l] * fv[l];
+      const auto blend = [&](int shift) {
+        const auto level = [&](int corner) {
+          return static_cast<float>(static_cast<int32_t>(corners[corner][l] >> shift & 255));
+        };
+        const float mean = w00 * level(0) + w10 * level(1) + w01 * level(2) + w11 * level(3);
+        return static_cast<uint32_t>(static_cast<int32_t>(mean + 0.5f)) << shift;
+      };
+      rgba[l] = seen[l] ? blend(0) | blend(8) | blend(16) | 0xff000000u : 0u;
+    }
+    for (int l = 0; l < kLanes; ++l) registered[i + l] = rgba[l];
   }
 };
 

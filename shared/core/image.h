@@ -8,12 +8,17 @@
 #include <vector>
 
 #include "shared/core/check.h"
+#include "shared/core/host_device.h"
 
 namespace kt {
 
 /// 8-bit colour, in this order in memory.
 struct Rgb8 {
   uint8_t r = 0, g = 0, b = 0;
+  /// In one word, r in the low byte.
+  KT_HOST_DEVICE uint32_t packed() const {
+    return static_cast<uint32_t>(r) | static_cast<uint32_t>(g) << 8 | static_cast<uint32_t>(b) << 16;
+  }
   friend bool operator==(const Rgb8&, const Rgb8&) = default;
 };
 static_assert(sizeof(Rgb8) == 3);

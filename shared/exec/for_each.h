@@ -59,7 +59,9 @@ void for_each_lane(const Device& device, int64_t count, const Functor& functor) 
                   [functor](int64_t i) { functor.template run<kCpuLanes>(i * kCpuLanes); });
 }
 
-/// Calls functor(u, v) for every pixel of a width x height image, rows in parallel.
+/// Calls functor(u, v) for every pixel of a width x height image, rows in parallel. A functor may also have
+/// lanes<kLanes>(u, v), which does pixels (u, v) to (u + kLanes - 1, v) in loops over arrays of kLanes: SIMD
+/// on a CPU.
 template <typename Functor>
 void for_each_pixel(const Device& device, int width, int height, const Functor& functor) {
   const ObservedLaunch observed(device, typeid(Functor).name(), int64_t{width} * height);
@@ -71,8 +73,12 @@ void for_each_pixel(const Device& device, int width, int height, const Functor& 
     const Functor f = functor;
     const int first = static_cast<int>(b) * kRows;
     for (int v = first; v < std::min(height, first + kRows); ++v) {
+      int u = 0;
+      if constexpr (requires { f.template lanes<kSimdLanes>(u, v); }) {
+        for (; u + kSimdLanes <= width; u += kSimdLanes) f.template lanes<kSimdLanes>(u, v);
+      }
 #pragma GCC ivdep
-      for (int u = 0; u < width; ++u) f(u, v);
+      for (; u < width; ++u) f(u, v);
     }
   });
 }

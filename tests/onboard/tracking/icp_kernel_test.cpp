@@ -35,6 +35,17 @@ class PointToPlaneTest : public testing::Test {
                                             calibration_.depth.pinhole(), Pose::Identity());
 };
 
+// What one pixel meets; nothing where it meets nothing.
+struct Pair {
+  Vec3f p, model_p, model_n;
+};
+std::optional<Pair> pair_of(const PointToPlane& cost, int64_t i) {
+  ProjectiveAssociation::Pairs<1> pairs;
+  cost.association.find(i, &pairs);
+  if (!pairs.found[0]) return std::nullopt;
+  return Pair{pairs.p.at(0), pairs.model_p.at(0), pairs.model_n.at(0)};
+}
+
 Pose random_perturbation(uint64_t i, double rotation_rad, double translation_m) {
   Vector6d xi;
   for (int k = 0; k < 6; ++k) {
@@ -57,14 +68,14 @@ TEST_F(PointToPlaneTest, JacobianEqualsCentralDifferences) {
     }
     for (int64_t i = 0; i < pixel_count(); i += 7) {
       const exec::ResidualRow row = at(i);
-      ProjectiveAssociation::Pair pair, other;
-      if (row.weight == 0 || !at.association.find(i, &pair)) continue;
+      const auto pair = pair_of(at, i);
+      if (row.weight == 0 || !pair) continue;
       for (size_t k = 0; k < 6; ++k) {
         const auto residual = [&](const PointToPlane& moved) -> std::optional<double> {
           // The derivative is that of a fixed pair of points.
-          if (!moved.association.find(i, &other) || squared_norm(other.model_p - pair.model_p) != 0)
-            return std::nullopt;
-          return dot(other.model_n, other.p - other.model_p);
+          const auto other = pair_of(moved, i);
+          if (!other || squared_norm(other->model_p - pair->model_p) != 0) return std::nullopt;
+          return dot(other->model_n, other->p - other->model_p);
         };
         const auto ahead = residual(plus[k]), behind = residual(minus[k]);
         if (!ahead || !behind) continue;
@@ -123,10 +134,10 @@ TEST_F(PointToPlaneTest, DropsPairsThatAreFarApartOrTurned) {
   turned.min_normal_cosine = 1.1f;
   for (int64_t i = 0; i < pixel_count(); ++i) {
     const exec::ResidualRow row = strict(i);
-    ProjectiveAssociation::Pair pair;
     if (row.weight > 0) {
-      ASSERT_TRUE(strict.association.find(i, &pair));
-      ASSERT_LE(norm(pair.p - pair.model_p), 0.04f + 1e-6f);
+      const auto pair = pair_of(strict, i);
+      ASSERT_TRUE(pair);
+      ASSERT_LE(norm(pair->p - pair->model_p), 0.04f + 1e-6f);
     }
     ASSERT_EQ(turned(i).weight, 0);
   }
