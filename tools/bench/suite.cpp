@@ -78,8 +78,10 @@ void add_suite(JsonText& json, const exec::Device& device, const SuiteSetup& set
   add_growth(json, runs);
 
   // The warm-up fills the volume; from then on every frame sees as much as the next.
-  RunSetup mission{
-      .image_width = 320, .frames = setup.mission_frames, .warm_up = 200, .scene = Scene::kMission};
+  RunSetup mission{.image_width = 320,
+                   .frames = setup.mission_frames,
+                   .warm_up = std::min(200, setup.mission_frames / 4),
+                   .scene = Scene::kMission};
   mission.volume.resolution = 256;
   std::fprintf(stderr, "kintsugi-core-bench: a mission of %d frames\n", setup.mission_frames);
   const StageRun run = run_stages(device, mission);
