@@ -20,7 +20,7 @@ Growth: e of time ~ size^e, from images of 320 x 240 to 1280 x 960 over 512 voxe
 5.12 m; 1 is linear in pixels or in voxels, 0 is none.
 
 {growth}
-Mission: {mission_frames} frames of 320 x 240 along a corridor, 256 voxels of 1 cm; {slices} slices leave the volume and keyframes gather. Median
+Mission: {mission_frames} frames of 320 x 240 along a corridor, 256 voxels of 2 cm; {slices} slices leave the volume and keyframes gather. Median
 frame of the first tenth {first:.1f} ms, of the last {last:.1f} ms.
 
 Equal bits: {residuals} residuals sum in {fixed:.3f} ms in the fixed order, in {unordered:.3f} ms as a plain float sum in whatever order threads come:

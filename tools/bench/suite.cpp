@@ -83,6 +83,7 @@ void add_suite(JsonText& json, const exec::Device& device, const SuiteSetup& set
                    .warm_up = std::min(200, setup.mission_frames / 4),
                    .scene = Scene::kMission};
   mission.volume.resolution = 256;
+  mission.volume.voxel_size_m = 0.02;
   std::fprintf(stderr, "kintsugi-core-bench: a mission of %d frames\n", setup.mission_frames);
   const StageRun run = run_stages(device, mission);
   json.open("mission");
