@@ -13,7 +13,8 @@ The same runs against the memory bandwidth: {bandwidth:.1f} GB/s, measured besid
 MB: what the result of one frame proves to have moved, whatever the kernels are. Integrate: each row of 8 voxels (32 bytes) and of
 their colours (64 bytes) that changed, read and written, and each fusion pixel, read. Raycast: each row that holds one of the 8 voxels
 around a predicted point, each brick's state, and each point and normal. Lists, flags, pyramids and what rays cross on their way are
-not counted, so the share is a lower bound of what the memory does, and its inverse an upper bound of what could be won.
+not counted, so the share is a lower bound of what the memory does and, but for what the caches keep, its inverse is the most that
+could be won.
 
 {traffic}
 Growth: e of time ~ size^e, from images of 320 x 240 to 1280 x 960 over 512 voxels of 1 cm, and from 128 to 512 voxels per axis over the same
@@ -40,7 +41,8 @@ def kernels_section(report):
     growth = [[name] + [f"{report['growth'][key][stage]:.2f}" for stage in STAGES]
               for name, key in (("pixels", "with_pixels"), ("voxels", "with_voxels"))]
     mission, sums = report["mission"], report["reductions"]
-    contracted = "What it costs that multiply and add are not fused is measured on a GPU only."
+    contracted = ("No compiler may make SIMD of a plain sum; the fixed order is made for it. What it costs that multiply and add are not fused "
+                  "is measured on a GPU only.")
     if "contracted_ms" in sums:
         contracted = (f"With multiply and add fused the first takes {sums['contracted_ms']:.3f} ms: not fusing them costs a factor of "
                       f"{sums['fixed_to_contracted']:.2f}.")

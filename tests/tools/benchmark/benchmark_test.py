@@ -2,6 +2,7 @@
 # Figures and promises of tools/benchmark, from made-up reports; the e2e tests run it with the real programs.
 # SPDX-License-Identifier: BSD-3-Clause
 import copy
+import json
 import subprocess
 import sys
 import tempfile
@@ -103,7 +104,7 @@ class BenchmarkTest(unittest.TestCase):
         self.assertIn("| 512³ | 5 | 640 x 480 | 21.7 | 0.63 | 3.2 | 21.7 | 0.63 | 3.2 |", page)
         self.assertIn("| voxels | 0.64 | 0.64 | 0.64 | 0.64 | 0.64 |", page)
         self.assertIn("19.5 GB/s, measured beside them by the triad a = b + s c over three arrays of 256 MiB", page)
-        self.assertIn("0.22 times as long. What it costs", page)
+        self.assertIn("0.22 times as long. No compiler", page)
         on_gpu = KERNELS | {"device": "cuda", "threads": 1,
                             "reductions": KERNELS["reductions"] | {"contracted_ms": 1.5, "fixed_to_contracted": 1.185}}
         self.assertIn("not fusing them costs a factor of 1.19.", benchmark.document([], [], "1.2", [], on_gpu))
@@ -125,6 +126,27 @@ class BenchmarkTest(unittest.TestCase):
                                  capture_output=True, text=True, check=False)
             self.assertEqual(run.returncode, 1, run.stderr)
             self.assertIn("nothing was written", run.stderr.splitlines()[-1])
+            self.assertFalse(output.exists())
+
+    def test_runs_the_kernels_where_asked_and_says_where_they_fail(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            recording, output = folder / "recording", folder / "page.md"
+            recording.mkdir()
+            (recording / "depth.txt").write_text("")
+            (folder / "report.json").write_text(json.dumps(KERNELS))
+            collect, bench = folder / "kintsugi-collect", folder / "kintsugi-core-bench"
+            collect.write_text("#!/bin/sh\n[ $1 = --version ] && echo kintsugi-collect 1.2\n")
+            bench.write_text(f"#!/bin/sh\n[ \"$*\" = '--suite --threads 2' ] && cat '{folder}/report.json'\n")
+            for program in (collect, bench):
+                program.chmod(0o755)
+            command = [sys.executable, TOOL, recording, "--bin", folder, "--output", output, "--work", folder, "--kernels"]
+            run = subprocess.run([*command, "--threads", "2"], capture_output=True, text=True, check=False)
+            self.assertEqual(run.stderr.splitlines()[-1], "tools/benchmark: recording failed")
+            self.assertIn("## Kernels", output.read_text())
+            output.unlink()
+            run = subprocess.run(command, capture_output=True, text=True, check=False)  # the made-up bench refuses
+            self.assertIn("recording, kernels failed; there are no figures", run.stderr.splitlines()[-1])
             self.assertFalse(output.exists())
 
 
