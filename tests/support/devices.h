@@ -2,18 +2,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
+#include "shared/core/check.h"
 #include "shared/exec/device.h"
 
 namespace kt::test {
 
-/// One CPU thread first, as the reference; then more threads, and the GPU where there is one.
+/// Whether tests that cannot run on a GPU are to fail rather than do without.
+inline bool is_cuda_required() { return std::getenv("KT_REQUIRE_CUDA") != nullptr; }
+
+/// One CPU thread first, as the reference; then more threads, and the GPU where there is one. tools/gpu_check
+/// counts the tests that print that they had one.
 inline std::vector<exec::Device> parity_devices() {
   std::vector<exec::Device> devices;
   for (const int threads : {1, 2, 3, 7}) devices.push_back(exec::Device::cpu(threads));
-  if (exec::cuda_is_available()) devices.push_back(exec::Device::cuda());
+  std::string reason;
+  if (exec::cuda_is_available(&reason)) {
+    devices.push_back(exec::Device::cuda());
+    std::printf("compared with the GPU\n");
+  } else if (is_cuda_required()) {
+    throw Error("KT_REQUIRE_CUDA is set, but " + reason);
+  }
   return devices;
 }
 

@@ -44,7 +44,8 @@ if(NOT KT_CORE_ONLY)
   find_package(ZLIB REQUIRED)
 endif()
 
-# One place for the flags that keep results equal on every machine (ARCHITECTURE.md, determinism).
+# One place for the flags that keep results equal on every machine (ARCHITECTURE.md, determinism). A bench that measures what they
+# cost sets KT_CONTRACTED on the target of its one kernel; nothing else may.
 add_library(kt_flags INTERFACE)
 target_include_directories(kt_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(kt_flags INTERFACE
@@ -53,8 +54,8 @@ target_compile_options(kt_flags INTERFACE
   $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off -fno-math-errno -fno-trapping-math>
   $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${KT_MARCH}>>:-march=${KT_MARCH}>
   $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${KT_WERROR}>>:-Werror>
-  $<$<COMPILE_LANGUAGE:CUDA>:-fmad=false --ftz=false --prec-div=true --prec-sqrt=true --expt-relaxed-constexpr
-    -Xcompiler=-ffp-contract=off>)
+  $<$<COMPILE_LANGUAGE:CUDA>:-fmad=$<IF:$<BOOL:$<TARGET_PROPERTY:KT_CONTRACTED>>,true,false> --ftz=false --prec-div=true
+    --prec-sqrt=true --expt-relaxed-constexpr -Xcompiler=-ffp-contract=off>)
 # Eigen with SIMD reorders sums and changes struct layouts with the instruction set: keep it scalar.
 target_compile_definitions(kt_flags INTERFACE EIGEN_DONT_VECTORIZE EIGEN_MAX_ALIGN_BYTES=16)
 target_link_libraries(kt_flags INTERFACE Threads::Threads)
@@ -67,24 +68,38 @@ if(KT_HAVE_CUDA)
   target_compile_definitions(kt_flags INTERFACE KT_HAVE_CUDA)
 endif()
 
+# kt_cuda_sources(<target> <deps> <.cu> ...): adds them to the target, and to those whose PTX the target kt_ptx writes, for
+# tools/gpu_check to read.
+function(kt_cuda_sources target deps)
+  target_sources(${target} PRIVATE ${ARGN})
+  target_link_libraries(${target} PUBLIC CUDA::cudart_static)
+  add_library(${target}_ptx OBJECT EXCLUDE_FROM_ALL ${ARGN})
+  set_target_properties(${target}_ptx PROPERTIES CUDA_PTX_COMPILATION ON)
+  target_link_libraries(${target}_ptx PRIVATE kt_flags ${deps})
+  if(NOT TARGET kt_ptx)
+    add_custom_target(kt_ptx)
+  endif()
+  add_dependencies(kt_ptx ${target}_ptx)
+endfunction()
+
 # kt_library(<folder> SOURCES ... [CUDA ...] [DEPS ...]): the library kt_<folder>; DEPS are public.
 function(kt_library folder)
   cmake_parse_arguments(ARG "" "" "SOURCES;CUDA;DEPS" ${ARGN})
-  if(NOT KT_HAVE_CUDA)
-    set(ARG_CUDA)
-  endif()
-  add_library(kt_${folder} STATIC ${ARG_SOURCES} ${ARG_CUDA})
+  add_library(kt_${folder} STATIC ${ARG_SOURCES})
   target_link_libraries(kt_${folder} PUBLIC kt_flags ${ARG_DEPS})
-  if(ARG_CUDA)
-    target_link_libraries(kt_${folder} PUBLIC CUDA::cudart_static)
+  if(KT_HAVE_CUDA AND ARG_CUDA)
+    kt_cuda_sources(kt_${folder} "${ARG_DEPS}" ${ARG_CUDA})
   endif()
 endfunction()
 
-# kt_program(<name> SOURCES ... DEPS ... [NO_INSTALL]): an executable, installed unless told otherwise.
+# kt_program(<name> SOURCES ... [CUDA ...] DEPS ... [NO_INSTALL]): an executable, installed unless told otherwise.
 function(kt_program name)
-  cmake_parse_arguments(ARG "NO_INSTALL" "" "SOURCES;DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "NO_INSTALL" "" "SOURCES;CUDA;DEPS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE kt_flags ${ARG_DEPS})
+  if(KT_HAVE_CUDA AND ARG_CUDA)
+    kt_cuda_sources(${name} "${ARG_DEPS}" ${ARG_CUDA})
+  endif()
   if(NOT ARG_NO_INSTALL)
     install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   endif()

@@ -2,6 +2,7 @@
 # Figures and promises of tools/benchmark, from made-up reports; the e2e tests run it with the real programs.
 # SPDX-License-Identifier: BSD-3-Clause
 import copy
+import json
 import subprocess
 import sys
 import tempfile
@@ -23,6 +24,16 @@ GOOD = {
     "trajectory": {"ate": {"rmse_m": 0.004}, "rpe": {"translation": {"rmse_m": 0.002}, "rotation": {"rmse_deg": 0.1}},
                    "consistency": {"pose": {"mean": 1.234}}},
     "surface": {"accuracy": {"mean_m": 0.002}, "completeness": 0.97, "f_score": 0.98},
+}
+
+RUN = {"volume_resolution": 512, "voxel_size_m": 0.005, "width": 640, "height": 480, "frames": 20, "slices": 3,
+       "stages": {stage: {"p50_ms": 10.04 * i} for i, stage in enumerate(("frame", "preprocess", "track", "integrate", "raycast"), 1)},
+       "traffic": {stage: {"bytes": 21_700_000, "gb_per_s": 0.627, "share_of_bandwidth": 0.0321} for stage in ("integrate", "raycast")}}
+KERNELS = {
+    "device": "cpu", "threads": 2, "bandwidth": {"bytes_per_array": 2**28, "gb_per_s": 19.53}, "runs": [RUN],
+    "reductions": {"residuals": 307200, "fixed_order_ms": 1.7779, "unordered_ms": 8.2147, "fixed_to_unordered": 0.216},
+    "growth": {key: dict.fromkeys(RUN["stages"], 0.639) for key in ("with_pixels", "with_voxels")},
+    "mission": RUN | {"frames": 2000, "first_tenth_p50_ms": 20.0, "last_tenth_p50_ms": 21.0, "last_to_first": 1.05},
 }
 
 PROMISED = list(dict.fromkeys(promise[0] for promise in benchmark.PROMISES))
@@ -85,6 +96,26 @@ class BenchmarkTest(unittest.TestCase):
         self.assertIn("None of the sequences has such figures.\n\n## Trajectory", page)
         self.assertIn("None of the sequences has such figures.\n\n## Speed", page)
 
+    def test_the_kernels(self):
+        page = benchmark.document([], benchmark.check_promises([], 2, KERNELS), "1.2", [], KERNELS)
+        self.assertIn("| mission | last tenth / first | ≤ 1.25 | 1.05 | kept |", page)
+        self.assertIn("`kintsugi-core-bench --suite` on cpu (2 threads)", page)
+        self.assertIn("| 512³ | 5 | 640 x 480 | 10.0 | 20.1 | 30.1 | 40.2 | 50.2 |", page)
+        self.assertIn("| 512³ | 5 | 640 x 480 | 21.7 | 0.63 | 3.2 | 21.7 | 0.63 | 3.2 |", page)
+        self.assertIn("| voxels | 0.64 | 0.64 | 0.64 | 0.64 | 0.64 |", page)
+        self.assertIn("19.5 GB/s, measured beside them by the triad a = b + s c over three arrays of 256 MiB", page)
+        self.assertIn("0.22 times as long. No compiler", page)
+        on_gpu = KERNELS | {"device": "cuda", "threads": 1,
+                            "reductions": KERNELS["reductions"] | {"contracted_ms": 1.5, "fixed_to_contracted": 1.185}}
+        self.assertIn("not fusing them costs a factor of 1.19.", benchmark.document([], [], "1.2", [], on_gpu))
+        self.assertNotIn("## Kernels", benchmark.document([sequence("room")], [], "1.2", []))
+
+    def test_frames_may_not_take_longer_as_a_mission_goes_on(self):
+        slower = KERNELS | {"mission": KERNELS["mission"] | {"last_to_first": 1.26}}
+        self.assertEqual(benchmark.check_promises([], 2, slower)[0][4], "**broken**")
+        with self.assertRaisesRegex(LookupError, "growth"):
+            benchmark.kernels_section({key: value for key, value in KERNELS.items() if key != "growth"})
+
     def test_writes_nothing_where_nothing_succeeded(self):
         with tempfile.TemporaryDirectory() as folder:
             recording, output = Path(folder) / "recording", Path(folder) / "page.md"
@@ -95,6 +126,27 @@ class BenchmarkTest(unittest.TestCase):
                                  capture_output=True, text=True, check=False)
             self.assertEqual(run.returncode, 1, run.stderr)
             self.assertIn("nothing was written", run.stderr.splitlines()[-1])
+            self.assertFalse(output.exists())
+
+    def test_runs_the_kernels_where_asked_and_says_where_they_fail(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            recording, output = folder / "recording", folder / "page.md"
+            recording.mkdir()
+            (recording / "depth.txt").write_text("")
+            (folder / "report.json").write_text(json.dumps(KERNELS))
+            collect, bench = folder / "kintsugi-collect", folder / "kintsugi-core-bench"
+            collect.write_text("#!/bin/sh\n[ $1 = --version ] && echo kintsugi-collect 1.2\n")
+            bench.write_text(f"#!/bin/sh\n[ \"$*\" = '--suite --threads 2' ] && cat '{folder}/report.json'\n")
+            for program in (collect, bench):
+                program.chmod(0o755)
+            command = [sys.executable, TOOL, recording, "--bin", folder, "--output", output, "--work", folder, "--kernels"]
+            run = subprocess.run([*command, "--threads", "2"], capture_output=True, text=True, check=False)
+            self.assertEqual(run.stderr.splitlines()[-1], "tools/benchmark: recording failed")
+            self.assertIn("## Kernels", output.read_text())
+            output.unlink()
+            run = subprocess.run(command, capture_output=True, text=True, check=False)  # the made-up bench refuses
+            self.assertIn("recording, kernels failed; there are no figures", run.stderr.splitlines()[-1])
             self.assertFalse(output.exists())
 
 

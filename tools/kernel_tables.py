@@ -1,0 +1,58 @@
+# Turns the JSON of kintsugi-core-bench --suite into the section Kernels of tools/benchmark.
+# SPDX-License-Identifier: BSD-3-Clause
+from benching import table
+
+STAGES = ("frame", "preprocess", "track", "integrate", "raycast")
+TRAFFIC = ("integrate", "raycast")
+
+TEXT = """## Kernels
+`kintsugi-core-bench --suite` on {device}: closed-form scenes, no noise, each stage waited for. Median milliseconds.
+
+{times}
+The same runs against the memory bandwidth: {bandwidth:.1f} GB/s, measured beside them by the triad a = b + s c over three arrays of {array_mib:.0f} MiB.
+MB: what the result of one frame proves to have moved, whatever the kernels are. Integrate: each row of 8 voxels (32 bytes) and of
+their colours (64 bytes) that changed, read and written, and each fusion pixel, read. Raycast: each row that holds one of the 8 voxels
+around a predicted point, each brick's state, and each point and normal. Lists, flags, pyramids and what rays cross on their way are
+not counted, so the share is a lower bound of what the memory does and, but for what the caches keep, its inverse is the most that
+could be won.
+
+{traffic}
+Growth: e of time ~ size^e, from images of 320 x 240 to 1280 x 960 over 512 voxels of 1 cm, and from 128 to 512 voxels per axis over the same
+5.12 m; 1 is linear in pixels or in voxels, 0 is none.
+
+{growth}
+Mission: {mission_frames} frames of 320 x 240 along a corridor, 256 voxels of 2 cm; {slices} slices leave the volume and keyframes gather. Median
+frame of the first tenth {first:.1f} ms, of the last {last:.1f} ms.
+
+Equal bits: {residuals} residuals sum in {fixed:.3f} ms in the fixed order, in {unordered:.3f} ms as a plain float sum in whatever order threads come:
+{fixed_to_unordered:.2f} times as long. {contracted}
+"""
+
+
+def kernels_section(report):
+    """The section; a KeyError where the report lacks a figure."""
+    times, traffic = [], []
+    for run in report["runs"]:
+        name = [f"{run['volume_resolution']}³", f"{1000 * run['voxel_size_m']:.0f}", f"{run['width']} x {run['height']}"]
+        times.append(name + [f"{run['stages'][stage]['p50_ms']:.1f}" for stage in STAGES])
+        cells = [run["traffic"][stage] for stage in TRAFFIC]
+        traffic.append(name + [text for cell in cells for text in (f"{cell['bytes'] / 1e6:.1f}", f"{cell['gb_per_s']:.2f}",
+                                                                   f"{100 * cell['share_of_bandwidth']:.1f}")])
+    growth = [[name] + [f"{report['growth'][key][stage]:.2f}" for stage in STAGES]
+              for name, key in (("pixels", "with_pixels"), ("voxels", "with_voxels"))]
+    mission, sums = report["mission"], report["reductions"]
+    contracted = ("No compiler may make SIMD of a plain sum; the fixed order is made for it. What it costs that multiply and add are not fused "
+                  "is measured on a GPU only.")
+    if "contracted_ms" in sums:
+        contracted = (f"With multiply and add fused the first takes {sums['contracted_ms']:.3f} ms: not fusing them costs a factor of "
+                      f"{sums['fixed_to_contracted']:.2f}.")
+    run = ["voxels", "mm", "image"]
+    device = report["device"] + (f" ({report['threads']} threads)" if report["device"] == "cpu" else "")
+    return TEXT.format(
+        device=device, times=table([*run, *STAGES], times), bandwidth=report["bandwidth"]["gb_per_s"],
+        array_mib=report["bandwidth"]["bytes_per_array"] / 2**20,
+        traffic=table([*run, *(f"{stage} {what}" for stage in TRAFFIC for what in ("MB", "GB/s", "% of bandwidth"))], traffic),
+        growth=table(["with", *STAGES], growth), mission_frames=mission["frames"], slices=mission["slices"],
+        first=mission["first_tenth_p50_ms"], last=mission["last_tenth_p50_ms"], residuals=sums["residuals"],
+        fixed=sums["fixed_order_ms"], unordered=sums["unordered_ms"], fixed_to_unordered=sums["fixed_to_unordered"],
+        contracted=contracted)
