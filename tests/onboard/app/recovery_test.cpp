@@ -467,7 +467,8 @@ TEST(Recovery, ABareCorridorIsNotFusedForLong) {
   const Place bare = corridor(0);
   Mission mission(kFine, corridor_config());
   mission.tolerance_deg = 3;
-  mission.tolerance_m = 0.15;
+  // What it walks in max_unconstrained_s, and slips before while noise now and then seems to hold it.
+  mission.tolerance_m = 0.3;
   int64_t first_free = -1, last_good = -1;
   for (int tick = 0; tick < 60; ++tick) {
     const StampedPose& pose = mission.see(bare, walked(time_s(stamp_us(tick))), tick);
