@@ -28,8 +28,8 @@ struct VolumeConfig {
 
 class TsdfVolume {
  public:
-  /// Memory: 12 bytes per voxel, allocated here. Throws kt::Error for an impossible configuration or too
-  /// little memory.
+  /// Memory: 12 bytes per voxel, allocated here; on a CPU physical only where bricks were fused. Throws
+  /// kt::Error for an impossible configuration or too little memory.
   TsdfVolume(const exec::Device& device, const PinholeParams& camera, const VolumeConfig& config);
 
   /// Fuses a frame seen from T_odom_camera. `frame_sequence` is remembered as the last to see what it

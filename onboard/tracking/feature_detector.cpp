@@ -64,41 +64,51 @@ FeatureDetector::FeatureDetector(const exec::Device& device, const Calibration& 
   smoothed_ = {device, finest.pixel_count()};
   scores_ = {device, finest.pixel_count()};
   cell_side_ = cell_side(finest);
-  detected_ = {device, cell_count(finest, cell_side_)};
+  int64_t cells = 0;
+  PinholeParams camera = finest;
+  for (int level = 0; level < kIntensityLevels; ++level, camera = camera.half())
+    cells += cell_count(camera, cell_side_);
+  detected_ = {device, cells};
   const std::vector<DescriptorPair> pairs = descriptor_pairs();
   pairs_ = {device, static_cast<int64_t>(pairs.size())};
   pairs_.upload(pairs);
 }
 
 std::vector<Feature> FeatureDetector::detect(const FrameMaps& maps) {
-  std::vector<Feature> features;
-  if (!maps.has_colour) return features;
+  if (!maps.has_colour) return {};
   const SurfaceLevel& surface = maps.levels[1];
+  std::vector<int> levels;  // of the cells
   for (int level = 0; level < kIntensityLevels; ++level) {
     const IntensityLevel& intensity = maps.intensity.level(level);
     const PinholeParams& camera = intensity.camera;
     const IntensityView smoothed{smoothed_.data(), camera.width, camera.height};
+    const int64_t cells = cell_count(camera, cell_side_);
     exec::for_each_pixel(device_, camera.width, camera.height,
                          SmoothIntensity{intensity.view(), smoothed_.data()});
     exec::for_each_pixel(device_, camera.width, camera.height, ScoreCorner{smoothed, scores_.data()});
-    exec::for_each(device_, cell_count(camera, cell_side_),
-                   DetectFeature{cell_side_, smoothed, scores_.data(), kMinScore, camera,
-                                 surface.depth_view(), surface.camera, to_rigid3f(T_colour_depth_),
-                                 to_rigid3f(T_colour_depth_.inverse()), pairs_.data(), detected_.data()});
-    const double scale = 1 << level;
-    for (const DetectedFeature& found : detected_.downloaded(cell_count(camera, cell_side_))) {
-      if (!found.is_found) continue;
-      Feature feature;
-      feature.pixel = {scale * (static_cast<double>(found.u) + 0.5) - 0.5,
-                       scale * (static_cast<double>(found.v) + 0.5) - 0.5};
-      feature.p_camera = {found.p_camera.x, found.p_camera.y, found.p_camera.z};
-      feature.level = level;
-      for (size_t word = 0; word < feature.descriptor.size(); ++word) {
-        feature.descriptor[word] = found.descriptor.bits[2 * word] |
-                                   static_cast<uint64_t>(found.descriptor.bits[2 * word + 1]) << 32;
-      }
-      features.push_back(feature);
+    exec::for_each(
+        device_, cells,
+        DetectFeature{cell_side_, smoothed, scores_.data(), kMinScore, camera, surface.depth_view(),
+                      surface.camera, to_rigid3f(T_colour_depth_), to_rigid3f(T_colour_depth_.inverse()),
+                      pairs_.data(), detected_.data() + levels.size()});
+    levels.insert(levels.end(), static_cast<size_t>(cells), level);
+  }
+  std::vector<Feature> features;
+  const std::vector<DetectedFeature> detected = detected_.downloaded();  // of all levels: waits once
+  for (size_t cell = 0; cell < detected.size(); ++cell) {
+    const DetectedFeature& found = detected[cell];
+    if (!found.is_found) continue;
+    const double scale = 1 << levels[cell];
+    Feature feature;
+    feature.pixel = {scale * (static_cast<double>(found.u) + 0.5) - 0.5,
+                     scale * (static_cast<double>(found.v) + 0.5) - 0.5};
+    feature.p_camera = {found.p_camera.x, found.p_camera.y, found.p_camera.z};
+    feature.level = levels[cell];
+    for (size_t word = 0; word < feature.descriptor.size(); ++word) {
+      feature.descriptor[word] =
+          found.descriptor.bits[2 * word] | static_cast<uint64_t>(found.descriptor.bits[2 * word + 1]) << 32;
     }
+    features.push_back(feature);
   }
   return features;
 }

@@ -33,7 +33,7 @@ class FeatureDetector {
   int cell_side_ = 0;
   exec::Buffer<float> smoothed_, scores_;
   exec::Buffer<DescriptorPair> pairs_;
-  exec::Buffer<DetectedFeature> detected_;
+  exec::Buffer<DetectedFeature> detected_;  // of all levels, finest first
 };
 
 }  // namespace kt

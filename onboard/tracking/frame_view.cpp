@@ -11,28 +11,36 @@ namespace {
 
 constexpr int kLevel = kPyramidLevels - 1;
 
+PinholeParams coarsest(const Calibration& calibration) {
+  PinholeParams camera = calibration.depth.pinhole();
+  for (int level = 0; level < kLevel; ++level) camera = camera.half();
+  return camera;
+}
+
 }  // namespace
 
+SurfaceMemory::SurfaceMemory(const exec::Device& device, const Calibration& calibration, int64_t capacity)
+    : device_(device),
+      depths_(device, DepthView::padded_size(coarsest(calibration).width, coarsest(calibration).height),
+              capacity) {}
+
+KeptSurface SurfaceMemory::keep(const FrameMaps& maps) {
+  const SurfaceLevel& level = maps.levels[kLevel];
+  KT_CHECK(level.depth.size() == depths_.block_size());
+  KeptSurface kept{depths_.take(), level.normal_step, level.max_slope};
+  exec::for_each(device_, depths_.block_size(), CopyFloats{level.depth.data(), kept.depth.get()});
+  return kept;
+}
+
 FrameViews::FrameViews(const exec::Device& device, const Calibration& calibration)
-    : device_(device), camera_(calibration.depth.pinhole()) {
-  for (int level = 0; level < kLevel; ++level) camera_ = camera_.half();
+    : device_(device), camera_(coarsest(calibration)) {
   view_.camera = camera_;
   view_.points = {device, camera_.pixel_count()};
   view_.normals = {device, camera_.pixel_count()};
 }
 
-KeptSurface keep_surface(const exec::Device& device, const FrameMaps& maps, KeptSurface memory) {
-  const SurfaceLevel& level = maps.levels[kLevel];
-  if (memory.depth.size() == 0)
-    memory.depth = {device, DepthView::padded_size(level.camera.width, level.camera.height)};
-  memory.normal_step = level.normal_step;
-  memory.max_slope = level.max_slope;
-  exec::for_each(device, memory.depth.size(), CopyFloats{level.depth.data(), memory.depth.data()});
-  return memory;
-}
-
 const ModelView& FrameViews::view(const KeptSurface& surface, const Pose& T_odom_camera) {
-  const DepthView depth{surface.depth.data(), camera_.width, camera_.height};
+  const DepthView depth{surface.depth.get(), camera_.width, camera_.height};
   view_.T_odom_camera = T_odom_camera;
   exec::for_each_pixel(
       device_, camera_.width, camera_.height,

@@ -4,18 +4,29 @@
 
 #include "onboard/preprocess/model_view.h"
 #include "onboard/preprocess/preprocessor.h"
+#include "shared/exec/block_pool.h"
 
 namespace kt {
 
 /// Its depth at the coarsest level, on the device, and how its normals are made (SurfaceLevel).
 struct KeptSurface {
-  exec::Buffer<float> depth;  ///< bordered
+  exec::BlockPool<float>::Block depth;  ///< bordered
   int32_t normal_step = 1;
   float max_slope = 0;
 };
 
-/// The surface of a frame; `memory`, where given, is one that is not needed any more.
-KeptSurface keep_surface(const exec::Device& device, const FrameMaps& maps, KeptSurface memory = {});
+/// Memory for up to `capacity` surfaces at a time, allocated at once.
+class SurfaceMemory {
+ public:
+  SurfaceMemory(const exec::Device& device, const Calibration& calibration, int64_t capacity);
+
+  /// The surface of a frame. Its memory serves again when it goes.
+  KeptSurface keep(const FrameMaps& maps);
+
+ private:
+  exec::Device device_;
+  exec::BlockPool<float> depths_;
+};
 
 class FrameViews {
  public:

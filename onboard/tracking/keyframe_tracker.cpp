@@ -18,10 +18,10 @@ constexpr int kAlike = 3, kInTurn = 2;
 
 KeyframeTracker::KeyframeTracker(const exec::Device& device, const Calibration& calibration,
                                  const TrackingConfig& config)
-    : device_(device),
-      config_(config),
+    : config_(config),
       camera_{calibration.colour.pinhole().half(), calibration.T_colour_depth},
       detector_(device, calibration),
+      surfaces_(device, calibration, int64_t{config.max_keyframes} + 1),  // a new one comes before one goes
       store_(device, config.max_keyframes) {}
 
 void KeyframeTracker::look_at(const FrameMaps& maps) {
@@ -61,8 +61,8 @@ std::optional<KeyframeTracker::Found> KeyframeTracker::find_anywhere() {
 void KeyframeTracker::remember(int64_t sequence, int segment, const Pose& T_odom_camera) {
   const auto nearest = store_.nearest(segment, T_odom_camera, maps_->timestamp_us - kRecent_us);
   if (nearest && nearest->distance < config_.keyframe_distance) return;
-  store_.add({sequence, maps_->timestamp_us, segment, T_odom_camera, features(),
-              keep_surface(device_, *maps_), store_.code_of(*maps_)});
+  store_.add({sequence, maps_->timestamp_us, segment, T_odom_camera, features(), surfaces_.keep(*maps_),
+              store_.code_of(*maps_)});
 }
 
 }  // namespace kt

@@ -44,10 +44,10 @@ class KeyframeTracker {
  private:
   const std::vector<Feature>& features();
 
-  exec::Device device_;
   TrackingConfig config_;
   FeatureCamera camera_;
   FeatureDetector detector_;
+  SurfaceMemory surfaces_;
   KeyframeStore store_;
   const FrameMaps* maps_ = nullptr;
   std::optional<std::vector<Feature>> features_;  // of maps_

@@ -58,17 +58,17 @@ double step_factor(double dt_s) { return std::clamp(dt_s * kFrameRate_hz, 1.0, k
 }  // namespace
 
 Odometry::Odometry(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config)
-    : device_(device),
-      config_(config),
+    : config_(config),
       tracker_(device, calibration, config),
       rotation_aligner_(device, calibration),
       reference_(device, calibration, calibration.depth.pinhole().half().pixel_count()),
       keyframes_(device, calibration, config),
-      views_(device, calibration) {}
+      views_(device, calibration),
+      last_surfaces_(device, calibration, 2) {}  // one is kept while the one before it is there
 
 void Odometry::remember(const FrameMaps& maps, const ModelView& model) {
   rotation_aligner_.remember(maps);
-  last_surface_ = keep_surface(device_, maps, std::move(last_surface_));
+  last_surface_ = last_surfaces_.keep(maps);
   keyframes_.remember(last_good_.sequence, last_good_.segment, last_good_.T_odom_camera);
   const Pose T_reference_model = reference_.T_odom_reference().inverse() * model.T_odom_camera;
   const bool is_near =

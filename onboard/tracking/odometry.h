@@ -91,13 +91,13 @@ class Odometry {
   StampedPose start_segment(const FrameMaps& maps, int64_t sequence);
   StampedPose conclude(const FrameMaps& maps, const Estimate& estimate, int64_t sequence);
 
-  exec::Device device_;
   TrackingConfig config_;
   Tracker tracker_;
   RotationAligner rotation_aligner_;
   PhotometricReference reference_;
   KeyframeTracker keyframes_;
   FrameViews views_;
+  SurfaceMemory last_surfaces_;
   KeptSurface last_surface_;  // of the last good frame
   Exposure exposure_;         // of the last good frame against the reference
   MotionPrior motion_prior_;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "onboard/tracking/icp_kernel.h"
@@ -133,7 +134,10 @@ PointToPlane cost(const TrackingConfig& config, const FrameMaps& maps, const Mod
 }  // namespace
 
 Tracker::Tracker(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config)
-    : device_(device), config_(config), workspace_(device, calibration.depth.pinhole().pixel_count()) {}
+    : device_(device),
+      config_(config),
+      geometric_workspace_(device, calibration.depth.pinhole().pixel_count()),
+      photometric_workspace_(device, calibration.depth.pinhole().half().pixel_count()) {}
 
 TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
                            const PhotometricReference* reference, const TrackGuess& guess) {
@@ -154,21 +158,27 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
   for (int level = kPyramidLevels - 1; level >= 0; --level) {
     for (int iteration = 0; iteration < config_.iterations[static_cast<size_t>(level)]; ++iteration) {
       const PointToPlane point_to_plane = cost(config_, maps, model, level, T_model_current);
-      geometric = exec::reduce_normal_equations(device_, point_to_plane.association.camera.pixel_count(),
-                                                point_to_plane, workspace_);
+      const auto started_geometric = exec::start_normal_equations(
+          device_, point_to_plane.association.camera.pixel_count(), point_to_plane, geometric_workspace_);
+      // Both sums at one pose: a GPU is waited for once.
+      std::optional<exec::StartedReduction<kPhotometricUnknowns>> started_photometric;
+      if (has_colour && level > 0) {
+        const int intensity_level = level - 1;
+        const PhotometricResidual residual =
+            reference->residual(maps, intensity_level, model.T_odom_camera, T_model_current, result.exposure,
+                                static_cast<float>(sigma), T_camera_shutter);
+        started_photometric = exec::start_normal_equations(device_, reference->point_count(intensity_level),
+                                                           residual, photometric_workspace_);
+      }
+      geometric = started_geometric.finish();
       if (geometric.count < kFewestPixels) break;
       joint = {};
       // Residuals larger than the noise model predicts scale the information down (reduced chi square).
       const double chi_square =
           std::max(1.0, geometric.weighted_squares / static_cast<double>(geometric.count));
       joint.add(geometric, chi_square);
-      if (has_colour && level > 0) {
-        const int intensity_level = level - 1;
-        const PhotometricResidual residual =
-            reference->residual(maps, intensity_level, model.T_odom_camera, T_model_current, result.exposure,
-                                static_cast<float>(sigma), T_camera_shutter);
-        const PhotometricEquations photometric = exec::reduce_normal_equations(
-            device_, reference->point_count(intensity_level), residual, workspace_);
+      if (started_photometric) {
+        const PhotometricEquations photometric = started_photometric->finish();
         if (photometric.count >= kFewestPixels) {
           joint.add(photometric, config_.photometric_weight);
           sigma = std::clamp(std::sqrt(photometric.weighted_squares / photometric.weights), kLeastSigma,
@@ -204,7 +214,7 @@ void Tracker::judge(const FrameMaps& maps, const ModelView& model, const Pose& T
   const JudgePixel functor{cost(config_, maps, model, kJudgedLevel, T_model_current),
                            to_rigid3f(model.T_middle_camera), static_cast<float>(model.half_edge_m)};
   const exec::NormalEquations sums = exec::reduce_normal_equations(
-      device_, functor.cost.association.camera.pixel_count(), functor, workspace_);
+      device_, functor.cost.association.camera.pixel_count(), functor, geometric_workspace_);
   const double measured = sums.weights, associated = sums.weighted_squares, inliers = sums.A[0][0];
   TrackingQuality& quality = result->quality;
   quality.overlap = measured > 0 ? associated / measured : 0;

@@ -33,7 +33,8 @@ struct TrackingConfig {
   double max_step_m = 0.25;            ///< motion in 1/30 s beyond which a pose is not believed
   double max_step_deg = 20;
   double keyframe_distance = 0.2;       ///< between keyframes, in metres of motion plus radians of turn
-  int max_keyframes = 1000;             ///< kept to find a lost camera again; 100 kB each
+  int max_keyframes = 1000;             ///< kept to find a lost camera again; 100 kB each, on a GPU from
+                                        ///< the start
   int min_feature_inliers = 15;         ///< matches that must agree for a motion found by features
   int min_relocalisation_inliers = 25;  ///< the same for finding a lost camera again
   double new_segment_after_s = 1.5;     ///< of usable frames without a good one: the map begins anew
@@ -80,7 +81,7 @@ class Tracker {
 
   exec::Device device_;
   TrackingConfig config_;
-  exec::ReductionWorkspace workspace_;
+  exec::ReductionWorkspace geometric_workspace_, photometric_workspace_;
 };
 
 /// Pose of the depth camera at the time of the colour image in that at the time of the depth image, for a

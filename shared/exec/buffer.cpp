@@ -38,6 +38,20 @@ void release(const Device& device, void* pointer, size_t bytes) noexcept {
   munmap(pointer, bytes);
 }
 
+void* allocate_host(const Device& device, size_t bytes) {
+#if defined(KT_HAVE_CUDA)
+  if (device.is_cuda() && bytes > 0) return cuda_backend::allocate_host(bytes);
+#endif
+  return allocate_zeroed(device, bytes);
+}
+
+void release_host(const Device& device, void* pointer, size_t bytes) noexcept {
+#if defined(KT_HAVE_CUDA)
+  if (device.is_cuda()) return cuda_backend::release_host(pointer);
+#endif
+  release(device, pointer, bytes);
+}
+
 void give_back_zeros(const Device& device, void* pointer, size_t bytes) {
   if (device.is_cuda()) return;
   const auto page = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));
@@ -63,6 +77,22 @@ void copy_to_host(const Device& device, void* to, const void* from, size_t bytes
 #endif
   (void)device;
   std::memcpy(to, from, bytes);
+}
+
+void start_copy_to_host(const Device& device, void* to, const void* from, size_t bytes) {
+  if (bytes == 0) return;
+#if defined(KT_HAVE_CUDA)
+  if (device.is_cuda()) return cuda_backend::start_copy_to_host(to, from, bytes);
+#endif
+  (void)device;
+  std::memcpy(to, from, bytes);
+}
+
+void wait(const Device& device) {
+#if defined(KT_HAVE_CUDA)
+  if (device.is_cuda()) cuda_backend::wait();
+#endif
+  (void)device;
 }
 
 }  // namespace kt::exec

@@ -24,6 +24,40 @@ void give_back_zeros(const Device& device, void* pointer, size_t bytes);
 void copy_to_device(const Device& device, void* to, const void* from, size_t bytes);
 void copy_to_host(const Device& device, void* to, const void* from, size_t bytes);
 
+/// Host memory that a device can copy to while the host goes on; page-locked for a GPU, which is scarce.
+void* allocate_host(const Device& device, size_t bytes);
+void release_host(const Device& device, void* pointer, size_t bytes) noexcept;
+/// Into memory of allocate_host, whose bytes are there after wait().
+void start_copy_to_host(const Device& device, void* to, const void* from, size_t bytes);
+/// Until the device has done what it was given.
+void wait(const Device& device);
+
+/// A fixed number of elements in memory of allocate_host, without values at first; moves, does not copy.
+template <typename T>
+class HostBuffer {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  HostBuffer() = default;
+  HostBuffer(const Device& device, int64_t size)
+      : size_(size),
+        data_(static_cast<T*>(allocate_host(device, static_cast<size_t>(size) * sizeof(T))),
+              Release{device, static_cast<size_t>(size) * sizeof(T)}) {}
+
+  int64_t size() const { return data_ ? size_ : 0; }
+  T* data() { return data_.get(); }
+  const T* data() const { return data_.get(); }
+
+ private:
+  struct Release {
+    Device device;
+    size_t bytes = 0;
+    void operator()(T* pointer) const { release_host(device, pointer, bytes); }
+  };
+  int64_t size_ = 0;
+  std::unique_ptr<T, Release> data_;
+};
+
 /// A fixed number of elements of a plain type, zeroed at first; moves, does not copy.
 template <typename T>
 class Buffer {
@@ -55,6 +89,11 @@ class Buffer {
   void download(std::span<T> values) const {
     KT_CHECK(static_cast<int64_t>(values.size()) <= size_);
     copy_to_host(device_, values.data(), data(), values.size_bytes());
+  }
+  /// The same without waiting: the values are there after exec::wait().
+  void start_download(int64_t count, HostBuffer<T>& values) const {
+    KT_CHECK(count <= size_ && count <= values.size());
+    start_copy_to_host(device_, values.data(), data(), bytes_of(count));
   }
   std::vector<T> downloaded() const { return downloaded(size_); }
   std::vector<T> downloaded(int64_t count) const {

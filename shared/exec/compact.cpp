@@ -36,15 +36,19 @@ int64_t compact_flags(const Device& device, const uint8_t* flags, int64_t count,
 
 int64_t exclusive_scan(const Device& device, const int32_t* counts, int64_t count, int32_t* offsets) {
   const ObservedLaunch observed(device, "exclusive_scan", count);
-  int64_t total = 0;
+  const auto on_cpu = [&] {
+    int64_t total = 0;
+    for (int64_t i = 0; i < count; ++i) {
+      offsets[i] = static_cast<int32_t>(total);
+      total += counts[i];
+    }
+    return total;
+  };
 #if defined(KT_HAVE_CUDA)
-  if (device.is_cuda()) return cuda_backend::exclusive_scan(counts, count, offsets);
+  const int64_t total = device.is_cuda() ? cuda_backend::exclusive_scan(counts, count, offsets) : on_cpu();
+#else
+  const int64_t total = on_cpu();
 #endif
-  (void)device;
-  for (int64_t i = 0; i < count; ++i) {
-    offsets[i] = static_cast<int32_t>(total);
-    total += counts[i];
-  }
   KT_CHECK(total <= std::numeric_limits<int32_t>::max(), "list too long for 31-bit offsets");
   return total;
 }

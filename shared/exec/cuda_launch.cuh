@@ -3,17 +3,21 @@
 #pragma once
 
 #include <cuda_runtime.h>
-#include <string>
 
 #include "shared/core/check.h"
+#include "shared/exec/cuda_errors.h"
 #include "shared/exec/for_each.h"
 #include "shared/exec/normal_equations.h"
 
 namespace kt::exec {
 
-inline void check_cuda(cudaError_t status, const char* what) {
-  if (status != cudaSuccess)
-    throw Error(std::string("CUDA: ") + what + " failed: " + cudaGetErrorString(status));
+/// Every launch, copy and memset goes into this one stream: they are done in the order of the calls. Defined
+/// in cuda_backend.cu.
+cudaStream_t stream();
+
+/// Throws kt::Error where `call` failed.
+inline void check_cuda(cudaError_t status, const char* call) {
+  if (status != cudaSuccess) throw Error(gpu_failure(call, cudaGetErrorString(status)));
 }
 
 template <typename Functor>
@@ -65,14 +69,14 @@ inline unsigned blocks_for(int64_t threads) {
 template <typename Functor>
 void launch_for_each(int64_t count, const Functor& functor) {
   if (count <= 0) return;
-  for_each_kernel<<<blocks_for(count), kThreadsPerBlock>>>(count, functor);
+  for_each_kernel<<<blocks_for(count), kThreadsPerBlock, 0, stream()>>>(count, functor);
   check_cuda(cudaGetLastError(), "launch");
 }
 
 template <typename Functor>
 void launch_for_each_lane(int64_t count, const Functor& functor) {
   if (count <= 0) return;
-  for_each_lane_kernel<<<blocks_for(count), kThreadsPerBlock>>>(count, functor);
+  for_each_lane_kernel<<<blocks_for(count), kThreadsPerBlock, 0, stream()>>>(count, functor);
   check_cuda(cudaGetLastError(), "launch");
 }
 
@@ -81,7 +85,7 @@ void launch_for_each_pixel(int width, int height, const Functor& functor) {
   if (width <= 0 || height <= 0) return;
   const dim3 threads(32, 8);
   const dim3 blocks((width + threads.x - 1) / threads.x, (height + threads.y - 1) / threads.y);
-  for_each_pixel_kernel<<<blocks, threads>>>(width, height, functor);
+  for_each_pixel_kernel<<<blocks, threads, 0, stream()>>>(width, height, functor);
   check_cuda(cudaGetLastError(), "launch");
 }
 
@@ -90,8 +94,8 @@ void launch_reduce(int64_t count, const Functor& functor, float* chunk_terms) {
   if (count <= 0) return;
   constexpr int kThreads = 128;
   const int64_t threads = ReductionWorkspace::chunks(count) * kReductionLanes;
-  reduce_kernel<<<static_cast<unsigned>((threads + kThreads - 1) / kThreads), kThreads>>>(count, functor,
-                                                                                          chunk_terms);
+  const auto blocks = static_cast<unsigned>((threads + kThreads - 1) / kThreads);
+  reduce_kernel<<<blocks, kThreads, 0, stream()>>>(count, functor, chunk_terms);
   check_cuda(cudaGetLastError(), "launch");
 }
 

@@ -88,25 +88,45 @@ KT_HOST_DEVICE inline void accumulate_terms(const ResidualRowOf<kUnknowns>& row,
   terms[At::kCount] += row.weight > 0 ? 1.0f : 0.0f;
 }
 
-/// Scratch memory of a reduction over up to `capacity` residuals; allocated once, used every frame.
+/// Memory of one reduction at a time over up to `capacity` residuals; allocated once, used every frame.
 class ReductionWorkspace {
  public:
   ReductionWorkspace(const Device& device, int64_t capacity)
-      : chunk_terms_(device, chunks(capacity) * ReductionTerms<kMostUnknowns>::kTerms),
-        host_terms_(static_cast<size_t>(chunk_terms_.size())) {}
+      : device_(device),
+        chunk_terms_(device, chunks(capacity) * ReductionTerms<kMostUnknowns>::kTerms),
+        host_terms_(device, chunk_terms_.size()) {}
   static int64_t chunks(int64_t count) { return (count + kReductionChunk - 1) / kReductionChunk; }
-  /// Room for `terms` of them.
+  /// Room for `terms` of them on the device.
   float* chunk_terms(int64_t terms) {
     KT_CHECK(terms <= chunk_terms_.size(), "reduction larger than its workspace");
     return chunk_terms_.data();
   }
-  /// The chunks of a reduction over `count` residuals, added in order.
-  template <int kUnknowns>
-  NormalEquationsOf<kUnknowns> sum(int64_t count) {
-    using At = ReductionTerms<kUnknowns>;
-    static_assert(kUnknowns <= kMostUnknowns);
+  /// Begins to fetch `terms` of them; returns the number of this start.
+  int64_t start_download(int64_t terms);
+  /// Adds the chunks of start number `start`, which must be the last, in order; waits for them.
+  void add_chunks(int64_t start, int64_t chunks, int terms, double* sums) const;
+
+ private:
+  Device device_;
+  Buffer<float> chunk_terms_;
+  HostBuffer<float> host_terms_;
+  int64_t starts_ = 0;
+};
+
+/// A sum that a device is at, in a workspace that outlives it.
+template <int kUnknowns>
+class StartedReduction {
+ public:
+  /// Over `count` residuals, whose chunks the device has been given to compute.
+  StartedReduction(ReductionWorkspace& workspace, int64_t count)
+      : workspace_(&workspace),
+        chunks_(ReductionWorkspace::chunks(count)),
+        start_(workspace.start_download(chunks_ * At::kTerms)) {}
+
+  /// Waits for the sum. Others may be started meanwhile, but none in its workspace.
+  NormalEquationsOf<kUnknowns> finish() const {
     double sums[At::kTerms] = {};
-    add_chunks(chunks(count), At::kTerms, sums);
+    workspace_->add_chunks(start_, chunks_, At::kTerms, sums);
     NormalEquationsOf<kUnknowns> equations;
     int k = 0;
     for (int i = 0; i < kUnknowns; ++i) {
@@ -120,10 +140,10 @@ class ReductionWorkspace {
   }
 
  private:
-  void add_chunks(int64_t chunks, int terms, double* sums);
-
-  Buffer<float> chunk_terms_;
-  std::vector<float> host_terms_;
+  using At = ReductionTerms<kUnknowns>;
+  static_assert(kUnknowns <= kMostUnknowns);
+  const ReductionWorkspace* workspace_;
+  int64_t chunks_, start_;
 };
 
 #if defined(KT_HAVE_CUDA)
@@ -170,12 +190,13 @@ inline void add_rows(const ResidualRowsOf<kUnknowns, kSimdLanes>& rows, int firs
   for (int l = 0; l < kSimdLanes; ++l) lanes[At::kCount][first + l] += rows.weight[l] > 0.0f ? 1.0f : 0.0f;
 }
 
-/// Sums functor(i) -> ResidualRowOf<N> over i in [0, count). A functor may also have rows<kLanes>(i,
-/// ResidualRowsOf<N, kLanes>*), which computes kLanes elements at once: SIMD on a CPU.
+/// Starts to sum functor(i) -> ResidualRowOf<N> over i in [0, count); a CPU is done with it on return, a GPU
+/// goes on beside the host. Of sums in workspaces of their own several can be under way. A functor may also
+/// have rows<kLanes>(i, ResidualRowsOf<N, kLanes>*), which computes kLanes elements at once: SIMD on a CPU.
 template <typename Functor>
-NormalEquationsOf<kUnknownsOf<Functor>> reduce_normal_equations(const Device& device, int64_t count,
-                                                                const Functor& functor,
-                                                                ReductionWorkspace& workspace) {
+StartedReduction<kUnknownsOf<Functor>> start_normal_equations(const Device& device, int64_t count,
+                                                              const Functor& functor,
+                                                              ReductionWorkspace& workspace) {
   const ObservedLaunch observed(device, typeid(Functor).name(), count);
   constexpr int kUnknowns = kUnknownsOf<Functor>;
   using At = ReductionTerms<kUnknowns>;
@@ -183,7 +204,7 @@ NormalEquationsOf<kUnknownsOf<Functor>> reduce_normal_equations(const Device& de
 #if defined(KT_HAVE_CUDA)
   if (device.is_cuda()) {
     launch_reduce(count, functor, chunk_terms);
-    return workspace.sum<kUnknowns>(count);
+    return {workspace, count};
   }
 #endif
   device.pool().run(ReductionWorkspace::chunks(count), [&](int64_t chunk) {
@@ -202,7 +223,15 @@ NormalEquationsOf<kUnknownsOf<Functor>> reduce_normal_equations(const Device& de
       chunk_terms[chunk * At::kTerms + k] = lanes[k][0];
     }
   });
-  return workspace.sum<kUnknowns>(count);
+  return {workspace, count};
+}
+
+/// The same, and waits for the sum.
+template <typename Functor>
+NormalEquationsOf<kUnknownsOf<Functor>> reduce_normal_equations(const Device& device, int64_t count,
+                                                                const Functor& functor,
+                                                                ReductionWorkspace& workspace) {
+  return start_normal_equations(device, count, functor, workspace).finish();
 }
 
 }  // namespace kt::exec

@@ -35,8 +35,8 @@ __global__ void unordered_sum_kernel(int64_t count, Functor functor, float* sums
 void launch_unordered_sum(int64_t count, const PairResidual<false>& functor, float* sums) {
   if (count <= 0) return;
   constexpr int64_t kPerThread = 16;
-  unordered_sum_kernel<<<exec::blocks_for((count + kPerThread - 1) / kPerThread), exec::kThreadsPerBlock>>>(
-      count, functor, sums);
+  unordered_sum_kernel<<<exec::blocks_for((count + kPerThread - 1) / kPerThread), exec::kThreadsPerBlock, 0,
+                         exec::stream()>>>(count, functor, sums);
   exec::check_cuda(cudaGetLastError(), "launch");
 }
 

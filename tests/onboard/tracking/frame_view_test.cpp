@@ -29,6 +29,7 @@ struct Rig {
   exec::Device device = exec::Device::cpu(1);
   Preprocessor preprocessor{device, calibration, {}};
   FrameViews views{device, calibration};
+  SurfaceMemory surfaces{device, calibration, 2};
 
   const FrameMaps& maps_at(const Pose& T_world_camera) {
     return preprocessor.process(
@@ -42,7 +43,7 @@ TEST(FrameViews, GivesBackTheFramesOwnPointsAndNormals) {
   for (const exec::Device& device : parity_devices()) {
     Rig rig{.device = device};
     const FrameMaps& maps = rig.maps_at(kHere);
-    const KeptSurface kept = keep_surface(rig.device, maps);
+    const KeptSurface kept = rig.surfaces.keep(maps);
     const SurfaceLevel& level = maps.levels.back();
     const std::vector<Vec4f> normals = level.normals.downloaded();
     const std::vector<float> depth = level.depth.downloaded();
@@ -70,7 +71,7 @@ TEST(FrameViews, GivesBackTheFramesOwnPointsAndNormals) {
 TEST(FrameViews, AFrameAlignsWithAKeptOne) {
   Rig rig;
   Tracker tracker(rig.device, rig.calibration, {});
-  const KeptSurface kept = keep_surface(rig.device, rig.maps_at(kHere));
+  const KeptSurface kept = rig.surfaces.keep(rig.maps_at(kHere));
   for (const Pose& motion : {pose_of({0, 0, 0}, {0, 0, 0}), pose_of({1.5, -1, 2}, {0.02, 0.03, -0.04}),
                              pose_of({-2, 2.5, -1}, {-0.03, 0.01, 0.05})}) {
     const TrackResult result =
@@ -81,15 +82,19 @@ TEST(FrameViews, AFrameAlignsWithAKeptOne) {
   }
 }
 
-TEST(FrameViews, KeepsInMemoryGivenBack) {
+TEST(SurfaceMemory, ServesAgainWhereASurfaceHasGone) {
   Rig rig;
-  KeptSurface kept = keep_surface(rig.device, rig.maps_at(kHere));
-  const float* memory = kept.depth.data();
+  const KeptSurface first = rig.surfaces.keep(rig.maps_at(kHere));
   const FrameMaps& maps = rig.maps_at(kThere);
-  kept = keep_surface(rig.device, maps, std::move(kept));
-  EXPECT_EQ(kept.depth.data(), memory);
-  EXPECT_EQ(kept.depth.downloaded(), maps.levels.back().depth.downloaded());
-  EXPECT_EQ(kept.depth.downloaded(), keep_surface(rig.device, maps).depth.downloaded());
+  const std::vector<float> depth = maps.levels.back().depth.downloaded();
+  KeptSurface second = rig.surfaces.keep(maps);
+  const float* const memory = second.depth.get();
+  EXPECT_THROW(rig.surfaces.keep(maps), LogicError) << "no more than its capacity";
+  second = {};
+  second = rig.surfaces.keep(maps);
+  EXPECT_EQ(second.depth.get(), memory);
+  EXPECT_EQ(std::vector<float>(memory, memory + depth.size()), depth);
+  EXPECT_NE(std::vector<float>(first.depth.get(), first.depth.get() + depth.size()), depth);
 }
 
 }  // namespace

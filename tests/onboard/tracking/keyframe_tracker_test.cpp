@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/tracking/keyframe_tracker.h"
 
+#include <memory>
+
 #include "gtest/gtest.h"
 
+#include "shared/exec/launch_observer.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/pose_matchers.h"
 
@@ -105,6 +108,27 @@ TEST(KeyframeTracker, RemembersOnlyWhereNoneIsNear) {
   rig.remember_from(far, 4);
   EXPECT_EQ(nearest_sequence(far, 0), 4);
   EXPECT_EQ(nearest_sequence(facing(0), 0), 1);
+}
+
+// Counts what is allocated on a device.
+struct AllocationCount : exec::LaunchObserver {
+  int count = 0;
+  void on_allocated(const void*, int64_t, size_t, const std::type_info&) override { ++count; }
+  void on_released(const void*) override {}
+  void on_launched(const char*, int64_t) override {}
+};
+
+TEST(KeyframeTracker, TakesNoMemoryOfTheDeviceAfterItsStart) {
+  const auto allocations = std::make_shared<AllocationCount>();
+  Rig rig{.device = exec::Device::cpu(1).observed_by(allocations), .config = {.max_keyframes = 3}};
+  const int at_start = allocations->count;
+  EXPECT_GT(at_start, 0);
+  for (int view = 0; view < 12; ++view) rig.remember_from(facing(25 * view), view);
+  EXPECT_EQ(allocations->count, at_start);
+  rig.look_from(facing(275) * kMotion);
+  const auto found = rig.keyframes.find_anywhere();
+  ASSERT_TRUE(found);
+  EXPECT_EQ(rig.keyframes.keyframe(found->keyframe).sequence, 11) << "they were kept none the less";
 }
 
 }  // namespace

@@ -38,6 +38,40 @@ TEST(Buffer, GivesBackWhatWasUploaded) {
   }
 }
 
+// Of several of the blocks that copies to a GPU go through, of one, and of a part of one.
+TEST(Buffer, TakesWhatTheHostChangesRightAfterwards) {
+  for (const Device& device : test::parity_devices()) {
+    for (const int64_t size : {5'000'003, 1'048'576, 7}) {
+      std::vector<int32_t> values(static_cast<size_t>(size));
+      std::iota(values.begin(), values.end(), 1);
+      Buffer<int32_t> first(device, size), second(device, size);
+      first.upload(values);
+      for (int32_t& value : values) value = -value;
+      second.upload(values);
+      EXPECT_EQ(second.downloaded(), values);
+      for (int32_t& value : values) value = -value;
+      EXPECT_EQ(first.downloaded(), values) << test::name_of(device) << ", " << size;
+    }
+  }
+}
+
+TEST(Buffer, AStartedDownloadIsThereAfterTheWait) {
+  for (const Device& device : test::parity_devices()) {
+    Buffer<int32_t> buffer(device, 5);
+    HostBuffer<int32_t> first(device, 5), second(device, 3), empty(device, 0);
+    buffer.upload(std::vector<int32_t>{1, 2, 3, 4, 5});
+    buffer.start_download(5, first);
+    buffer.upload(std::vector<int32_t>{6, 7});
+    buffer.start_download(3, second);
+    buffer.start_download(0, empty);
+    wait(device);
+    EXPECT_THAT(std::span(first.data(), 5), testing::ElementsAre(1, 2, 3, 4, 5)) << test::name_of(device);
+    EXPECT_THAT(std::span(second.data(), 3), testing::ElementsAre(6, 7, 3)) << test::name_of(device);
+    EXPECT_THROW(buffer.start_download(4, second), LogicError);
+    EXPECT_THROW(buffer.start_download(6, first), LogicError);
+  }
+}
+
 // What is given back begins and ends within a page.
 TEST(Buffer, GivesTheMemoryOfZerosBackAndStillReadsZeros) {
   constexpr int64_t kSize = 300'000, kFirst = 100'001, kCount = 150'003;

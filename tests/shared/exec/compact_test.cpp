@@ -57,9 +57,14 @@ TEST(ExclusiveScan, EqualsTheStandardOne) {
 }
 
 TEST(ExclusiveScan, RefusesATotalBeyond31Bits) {
-  const Device device = Device::cpu(1);
-  std::vector<int32_t> counts(3, std::numeric_limits<int32_t>::max() / 2), offsets(3);
-  EXPECT_THROW(exclusive_scan(device, counts.data(), 3, offsets.data()), LogicError);
+  for (const Device& device : test::parity_devices()) {
+    const std::vector<int32_t> counts(3, std::numeric_limits<int32_t>::max() / 2);
+    Buffer<int32_t> offsets(device, 3);
+    EXPECT_THROW(exclusive_scan(device, on_device(device, counts).data(), 3, offsets.data()), LogicError)
+        << test::name_of(device);
+    EXPECT_EQ(exclusive_scan(device, on_device(device, counts).data(), 2, offsets.data()),
+              std::numeric_limits<int32_t>::max() - 1);
+  }
 }
 
 }  // namespace

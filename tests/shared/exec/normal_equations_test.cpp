@@ -83,6 +83,47 @@ TEST(NormalEquations, RepeatInTheSameWorkspace) {
   EXPECT_TRUE(same_bits(reduce_normal_equations(device, 7'000, RandomResidual{1, 1}, workspace), first));
 }
 
+TEST(NormalEquations, TwoMayBeUnderWayAndBeFinishedInAnyOrder) {
+  const RandomResidual one{1, 1}, other{2, 3};
+  const NormalEquations of_one = reduce(Device::cpu(1), 7'000, one),
+                        of_other = reduce(Device::cpu(1), 3'000, other);
+  for (const Device& device : test::parity_devices()) {
+    ReductionWorkspace first(device, 10'000), second(device, 10'000);
+    for (const bool in_order : {true, false, true}) {
+      const auto started_one = start_normal_equations(device, 7'000, one, first);
+      const auto started_other = start_normal_equations(device, 3'000, other, second);
+      if (in_order) {
+        EXPECT_TRUE(same_bits(started_one.finish(), of_one)) << test::name_of(device);
+        EXPECT_TRUE(same_bits(started_other.finish(), of_other)) << test::name_of(device);
+      } else {
+        EXPECT_TRUE(same_bits(started_other.finish(), of_other)) << test::name_of(device);
+        EXPECT_TRUE(same_bits(started_one.finish(), of_one)) << test::name_of(device);
+      }
+      EXPECT_TRUE(same_bits(started_one.finish(), of_one)) << "once more";
+    }
+  }
+}
+
+TEST(NormalEquations, OneThatNobodyFinishedDoesNoHarm) {
+  const NormalEquations expected = reduce(Device::cpu(1), 5'000, RandomResidual{6, 2});
+  for (const Device& device : test::parity_devices()) {
+    ReductionWorkspace workspace(device, 10'000);
+    start_normal_equations(device, 10'000, RandomResidual{5, 1}, workspace);
+    EXPECT_TRUE(same_bits(reduce_normal_equations(device, 5'000, RandomResidual{6, 2}, workspace), expected))
+        << test::name_of(device);
+    start_normal_equations(device, 10'000, RandomResidual{5, 1}, workspace);  // the workspace goes meanwhile
+  }
+}
+
+TEST(NormalEquations, AreGoneOnceTheirWorkspaceIsUsedAnew) {
+  const Device device = Device::cpu(2);
+  ReductionWorkspace workspace(device, 5'000);
+  const auto first = start_normal_equations(device, 5'000, RandomResidual{1, 1}, workspace);
+  const auto second = start_normal_equations(device, 5'000, RandomResidual{2, 1}, workspace);
+  EXPECT_THROW(first.finish(), LogicError);
+  EXPECT_TRUE(same_bits(second.finish(), reduce(device, 5'000, RandomResidual{2, 1})));
+}
+
 TEST(NormalEquations, OfNoWeightAreZero) {
   for (const Device& device : test::parity_devices()) {
     EXPECT_TRUE(same_bits(reduce(device, 5000, RandomResidual{1, 0}), NormalEquations{}))
