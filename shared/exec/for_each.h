@@ -43,12 +43,13 @@ void for_each(const Device& device, int64_t count, const Functor& functor) {
   for_each_on_cpu(device, count, functor);
 }
 
-/// Lanes that a CPU thread runs in step: the floats of one AVX register.
+/// Lanes that a CPU thread runs in step: the floats of one AVX register. The wide ones for kernels that wait
+/// for memory more than they compute: the more look-ups are under way, the shorter the wait.
 inline constexpr int kSimdLanes = 8, kWideLanes = 32;
 
 /// Calls functor.run<kLanes>(i) for every kLanes-th i in [0, count), which does elements i to i + kLanes - 1
-/// in loops over arrays of kLanes: SIMD on a CPU, where kLanes is kSimdLanes; a thread per element on a GPU,
-/// where it is 1. Elements stay independent, so both give the same bits. `count` is a multiple of kSimdLanes.
+/// in loops over arrays of kLanes: SIMD on a CPU, where kLanes is kCpuLanes; a thread per element on a GPU,
+/// where it is 1. Elements stay independent, so both give the same bits. `count` is a multiple of kCpuLanes.
 template <int kCpuLanes = kSimdLanes, typename Functor>
 void for_each_lane(const Device& device, int64_t count, const Functor& functor) {
   const ObservedLaunch observed(device, typeid(Functor).name(), count);
