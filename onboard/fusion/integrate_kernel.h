@@ -157,6 +157,7 @@ struct FuseColumns {
  private:
   // Vertices lie within one voxel of those that give them colour; the rest is for noise.
   static constexpr float kColourVoxels = 2.0f;
+  static_assert(FusionPixel::kWeightUnits == Voxel::kWeightUnits, "weights are added as they are");
   static constexpr int kNearSurface = 32000;  // distance units: anything but free space seen empty
 
   template <int kLanes>
@@ -253,7 +254,11 @@ struct FuseColumns {
     }
     for (int l = 0; l < kLanes; ++l) volume.voxels[first + l].word = words[l];
     for (int l = 0; l < kLanes; ++l) any[l] |= fused[l];
-    for (int l = 0; l < kLanes; ++l) mask[l] = (mask[l] & ~(1 << z)) | near[l] << z;
+    // Only what was fused: a voxel's bit must not hang on its neighbours in the lanes.
+    for (int l = 0; l < kLanes; ++l) {
+      const int32_t updated = (mask[l] & ~(1 << z)) | near[l] << z;
+      mask[l] = fused[l] ? updated : mask[l];
+    }
     if (any_coloured && colours)
       fuse_colours<kLanes>(measured.pixel + z * kLanes, colour_weight, volume.colours + first);
   }

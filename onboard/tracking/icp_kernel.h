@@ -33,7 +33,7 @@ struct ProjectiveAssociation {
     // Loops of their own for look-ups and for arithmetic: a CPU computes the latter as SIMD.
     const PixelsOf<kLanes> pixels(i, camera.width);
     float z[kLanes];
-    Vec3fs<kLanes> n, model_p, model_n;
+    Vec3fs<kLanes> n;
     float valid[kLanes], model_valid[kLanes];
     for (int l = 0; l < kLanes; ++l) z[l] = depth.at(pixels.u[l], pixels.v[l]);
     for (int l = 0; l < kLanes; ++l) {
@@ -56,13 +56,11 @@ struct ProjectiveAssociation {
     }
     for (int l = 0; l < kLanes; ++l) {
       const Vec4f point = model_points[m[l]];
-      model_p.set(l, xyz(point));
+      pairs->model_p.set(l, xyz(point));
       model_valid[l] = point.w;
     }
-    for (int l = 0; l < kLanes; ++l) model_n.set(l, xyz(model_normals[m[l]]));
+    for (int l = 0; l < kLanes; ++l) pairs->model_n.set(l, xyz(model_normals[m[l]]));
     for (int l = 0; l < kLanes; ++l) {
-      pairs->model_p.set(l, model_p.at(l));
-      pairs->model_n.set(l, model_n.at(l));
       pairs->z[l] = z[l];
       pairs->found[l] = in_view[l] & (model_valid[l] > 0.0f);
     }

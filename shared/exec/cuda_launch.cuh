@@ -51,7 +51,7 @@ __global__ void reduce_kernel(int64_t count, Functor functor, float* chunk_terms
   float terms[kTerms] = {};
   for (int64_t i = begin + lane; i < end; i += kReductionLanes) {
     const auto row = functor(i);
-    if (row.weight > 0) accumulate_terms(row, terms);
+    if (row.weight > 0) add_products(row, terms);
   }
   for (int k = 0; k < kTerms; ++k) {
     for (int half = kReductionLanes / 2; half > 0; half /= 2)

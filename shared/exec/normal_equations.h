@@ -30,6 +30,19 @@ using ResidualRow = ResidualRowOf<6>;
 template <int kUnknowns, int kLanes>
 struct ResidualRowsOf {
   float jacobian[kUnknowns][kLanes], residual[kLanes], weight[kLanes];
+
+  KT_HOST_DEVICE void set(int l, const ResidualRowOf<kUnknowns>& row) {
+    for (int k = 0; k < kUnknowns; ++k) jacobian[k][l] = row.jacobian[k];
+    residual[l] = row.residual;
+    weight[l] = row.weight;
+  }
+  KT_HOST_DEVICE ResidualRowOf<kUnknowns> at(int l) const {
+    ResidualRowOf<kUnknowns> row;
+    for (int k = 0; k < kUnknowns; ++k) row.jacobian[k] = jacobian[k][l];
+    row.residual = residual[l];
+    row.weight = weight[l];
+    return row;
+  }
 };
 
 /// Element i of a functor that has rows<kLanes>.
@@ -37,11 +50,7 @@ template <typename Functor>
 KT_HOST_DEVICE inline ResidualRowOf<Functor::kUnknowns> row_at(const Functor& functor, int64_t i) {
   ResidualRowsOf<Functor::kUnknowns, 1> rows;
   functor.template rows<1>(i, &rows);
-  ResidualRowOf<Functor::kUnknowns> row;
-  for (int k = 0; k < Functor::kUnknowns; ++k) row.jacobian[k] = rows.jacobian[k][0];
-  row.residual = rows.residual[0];
-  row.weight = rows.weight[0];
-  return row;
+  return rows.at(0);
 }
 
 /// A = sum w J^T J, b = sum w J^T r, and what judges the fit.
@@ -73,19 +82,32 @@ struct ReductionTerms {
                        kTerms = kSquares + 3;
 };
 
-/// Adds one residual's products to the terms.
-template <int kUnknowns>
-KT_HOST_DEVICE inline void accumulate_terms(const ResidualRowOf<kUnknowns>& row, float* terms) {
+/// Adds the products of kLanes residuals to their terms: term t of lane l stands at terms[t * kStride + l].
+template <int kStride, int kUnknowns, int kLanes>
+KT_HOST_DEVICE inline void add_products(const ResidualRowsOf<kUnknowns, kLanes>& rows, float* terms) {
   using At = ReductionTerms<kUnknowns>;
-  int k = 0;
+  const auto add = [terms](int term, const float* a, const float* b) {
+    for (int l = 0; l < kLanes; ++l) terms[term * kStride + l] += a[l] * b[l];
+  };
+  int term = 0;
+  float weighted[kLanes];
   for (int i = 0; i < kUnknowns; ++i) {
-    const float weighted = row.weight * row.jacobian[i];
-    for (int j = i; j < kUnknowns; ++j) terms[k++] += weighted * row.jacobian[j];
-    terms[At::kB + i] += weighted * row.residual;
+    for (int l = 0; l < kLanes; ++l) weighted[l] = rows.weight[l] * rows.jacobian[i][l];
+    for (int j = i; j < kUnknowns; ++j) add(term++, weighted, rows.jacobian[j]);
+    add(At::kB + i, weighted, rows.residual);
   }
-  terms[At::kSquares] += row.weight * row.residual * row.residual;
-  terms[At::kWeights] += row.weight;
-  terms[At::kCount] += row.weight > 0 ? 1.0f : 0.0f;
+  for (int l = 0; l < kLanes; ++l) weighted[l] = rows.weight[l] * rows.residual[l];
+  add(At::kSquares, weighted, rows.residual);
+  for (int l = 0; l < kLanes; ++l) terms[At::kWeights * kStride + l] += rows.weight[l];
+  for (int l = 0; l < kLanes; ++l) terms[At::kCount * kStride + l] += rows.weight[l] > 0.0f ? 1.0f : 0.0f;
+}
+
+/// The same for one residual.
+template <int kUnknowns>
+KT_HOST_DEVICE inline void add_products(const ResidualRowOf<kUnknowns>& row, float* terms) {
+  ResidualRowsOf<kUnknowns, 1> rows;
+  rows.set(0, row);
+  add_products<1>(rows, terms);
 }
 
 /// Memory of one reduction at a time over up to `capacity` residuals; allocated once, used every frame.
@@ -158,36 +180,8 @@ inline void fill_rows(const Functor& functor, int64_t i, int64_t end, Rows* rows
     if (i + kSimdLanes <= end) return functor.template rows<kSimdLanes>(i, rows);
   }
   for (int l = 0; l < kSimdLanes; ++l) {
-    const auto row = i + l < end ? functor(i + l) : decltype(functor(i)){};
-    for (int k = 0; k < row.kSize; ++k) rows->jacobian[k][l] = row.jacobian[k];
-    rows->residual[l] = row.residual;
-    rows->weight[l] = row.weight;
+    rows->set(l, i + l < end ? functor(i + l) : decltype(functor(i)){});
   }
-}
-
-/// Adds the products of rows to the terms of lanes `first` to `first` + kSimdLanes - 1.
-template <int kUnknowns>
-inline void add_rows(const ResidualRowsOf<kUnknowns, kSimdLanes>& rows, int first,
-                     float (*lanes)[kReductionLanes]) {
-  using At = ReductionTerms<kUnknowns>;
-  float any = 0.0f;
-  for (int l = 0; l < kSimdLanes; ++l) any += rows.weight[l];
-  if (!(any > 0.0f)) return;  // adding zeros changes no bit
-  const auto add = [&](int term, const float* a, const float* b) {
-    for (int l = 0; l < kSimdLanes; ++l) lanes[term][first + l] += a[l] * b[l];
-  };
-  int term = 0;
-  float weighted[kSimdLanes], ones[kSimdLanes];
-  for (int i = 0; i < kUnknowns; ++i) {
-    for (int l = 0; l < kSimdLanes; ++l) weighted[l] = rows.weight[l] * rows.jacobian[i][l];
-    for (int j = i; j < kUnknowns; ++j) add(term++, weighted, rows.jacobian[j]);
-    add(At::kB + i, weighted, rows.residual);
-  }
-  for (int l = 0; l < kSimdLanes; ++l) weighted[l] = rows.weight[l] * rows.residual[l];
-  add(At::kSquares, weighted, rows.residual);
-  for (int l = 0; l < kSimdLanes; ++l) ones[l] = 1.0f;
-  add(At::kWeights, rows.weight, ones);
-  for (int l = 0; l < kSimdLanes; ++l) lanes[At::kCount][first + l] += rows.weight[l] > 0.0f ? 1.0f : 0.0f;
 }
 
 /// Starts to sum functor(i) -> ResidualRowOf<N> over i in [0, count); a CPU is done with it on return, a GPU
@@ -214,7 +208,10 @@ StartedReduction<kUnknownsOf<Functor>> start_normal_equations(const Device& devi
     for (int64_t i = begin; i < end; i += kSimdLanes) {
       alignas(32) ResidualRowsOf<kUnknowns, kSimdLanes> rows;
       fill_rows(f, i, end, &rows);
-      add_rows<kUnknowns>(rows, static_cast<int>((i - begin) % kReductionLanes), lanes);
+      float any = 0.0f;
+      for (int l = 0; l < kSimdLanes; ++l) any += rows.weight[l];
+      if (!(any > 0.0f)) continue;  // adding zeros changes no bit
+      add_products<kReductionLanes>(rows, &lanes[0][(i - begin) % kReductionLanes]);
     }
     for (int k = 0; k < At::kTerms; ++k) {
       for (int half = kReductionLanes / 2; half > 0; half /= 2) {

@@ -28,8 +28,8 @@ std::string disagreement(const ParityRun& run, const std::vector<exec::Device>& 
 /// element of which buffer, and both values; "" where they never do. Slow: for small images and volumes.
 std::string first_difference(const exec::Device& reference, const exec::Device& other, const ParityRun& run);
 
-/// What a run launches on one CPU thread, over at least one element: functors as in "kt::FuseRow", and the
-/// others of LaunchObserver.
+/// What a run launches on one CPU thread, over at least one element: functors as in "kt::FuseColumns", and
+/// the others of LaunchObserver.
 std::set<std::string> kernels_of(const ParityRun& run);
 
 /// A type's name as in the source.

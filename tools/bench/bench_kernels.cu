@@ -22,7 +22,7 @@ __global__ void unordered_sum_kernel(int64_t count, Functor functor, float* sums
   const int64_t stride = static_cast<int64_t>(gridDim.x) * blockDim.x;
   for (int64_t i = static_cast<int64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < count; i += stride) {
     const auto row = functor(i);
-    if (row.weight > 0) exec::accumulate_terms(row, terms);
+    if (row.weight > 0) exec::add_products(row, terms);
   }
   for (int k = 0; k < kTerms; ++k) {
     for (int half = 16; half > 0; half /= 2) terms[k] += __shfl_down_sync(0xffffffffu, terms[k], half);

@@ -35,7 +35,7 @@ inline std::vector<float> unordered_sum(const exec::Device& device, int64_t coun
     const int64_t end = std::min(count, (chunk + 1) * exec::kReductionChunk);
     for (int64_t i = chunk * exec::kReductionChunk; i < end; ++i) {
       const exec::ResidualRow row = f(i);
-      if (row.weight > 0) exec::accumulate_terms(row, terms);
+      if (row.weight > 0) exec::add_products(row, terms);
     }
     const std::lock_guard lock(mutex);
     for (int k = 0; k < kTerms; ++k) total[static_cast<size_t>(k)] += terms[k];

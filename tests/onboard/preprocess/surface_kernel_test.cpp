@@ -7,6 +7,7 @@
 
 #include "gtest/gtest.h"
 
+#include "shared/core/digest.h"
 #include "tests/onboard/preprocess/host_maps.h"
 
 namespace kt::test {
@@ -102,6 +103,45 @@ TEST(ComputeNormal, DoesNotReachAcrossHolesAndEdges) {
   }
   EXPECT_EQ(maps.levels[0].normal(90, 60).w, 0);
   EXPECT_EQ(maps.levels[0].normal(79, 60).w, 1) << "one-sided beside a hole";
+}
+
+// A GPU computes one pixel per thread.
+TEST(Lanes, OfPixelKernelsGiveTheSameBits) {
+  const Calibration calibration = small_calibration();
+  const exec::Device device = exec::Device::cpu(1);
+  Preprocessor preprocessor(device, calibration, {});
+  const RgbdFrame frame = render(furnished_room(), calibration, Pose::Identity());
+  const FrameMaps& maps = preprocessor.process(frame);
+  const SurfaceLevel& level = maps.levels[0];
+  const auto count = level.camera.pixel_count();
+  std::vector<ColourPosition> positions;
+  for (int64_t i = 0; i < count; ++i)
+    positions.push_back({static_cast<float>(i % 170) - 5, static_cast<float>(i % 131) * 0.93f});
+  const auto digest_of = [&](const auto& run) {
+    exec::Buffer<Vec4f> normals(device, count);
+    exec::Buffer<FusionPixel> pixels(device, count);
+    exec::Buffer<uint32_t> colours(device, count);
+    run(ComputeNormal{level.depth_view(), level.camera, level.normal_step, level.max_slope, normals.data()});
+    run(MakeFusionPixel{level.depth_view(), level.camera, level.normals.data(), 0.2f, level.max_slope,
+                        pixels.data()});
+    run(SampleColour{level.depth_view(), positions.data(), calibration.colour.width,
+                     calibration.colour.height, frame.colour.pixels().data(), colours.data()});
+    Digest digest;
+    digest.add(std::span<const Vec4f>(normals.downloaded()));
+    digest.add(std::span<const FusionPixel>(pixels.downloaded()));
+    digest.add(std::span<const uint32_t>(colours.downloaded()));
+    return digest.value();
+  };
+  const int width = level.camera.width, height = level.camera.height;
+  const auto one = digest_of([&](const auto& kernel) {
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u) kernel(u, v);
+  });
+  const auto eight = digest_of([&](const auto& kernel) {
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u + 8 <= width; u += 8) kernel.template lanes<8>(u, v);
+  });
+  EXPECT_EQ(one, eight);
 }
 
 TEST(FusionPixel, WeightFallsWithRangeAndAngle) {

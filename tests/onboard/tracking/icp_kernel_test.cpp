@@ -3,6 +3,7 @@
 #include "onboard/tracking/icp_kernel.h"
 
 #include <cmath>
+#include <cstring>
 
 #include "gtest/gtest.h"
 
@@ -110,6 +111,22 @@ TEST_F(PointToPlaneTest, ResidualAndWeightEqualTheSlowFormula) {
     ++compared;
     ASSERT_NEAR(row.residual, r, 2e-6) << i;
     ASSERT_NEAR(row.weight, 1 / (sigma * sigma * (1 + scaled * scaled)), 1e-3 / (sigma * sigma)) << i;
+  }
+  EXPECT_GT(compared, 10'000);
+}
+
+// A GPU computes one residual per thread.
+TEST_F(PointToPlaneTest, LanesGiveTheSameBits) {
+  const PointToPlane cost = functor(random_perturbation(3, 0.01, 0.01) * T_model_current_);
+  int compared = 0;
+  for (int64_t i = 3; i + 8 <= pixel_count(); i += 8) {  // across the ends of rows too
+    exec::ResidualRowsOf<6, 8> rows;
+    cost.rows<8>(i, &rows);
+    for (int l = 0; l < 8; ++l) {
+      const exec::ResidualRow row = cost(i + l), lane = rows.at(l);
+      ASSERT_EQ(std::memcmp(&row, &lane, sizeof(row)), 0) << i + l;
+      compared += row.weight > 0;
+    }
   }
   EXPECT_GT(compared, 10'000);
 }

@@ -3,6 +3,7 @@
 #include "onboard/tracking/photometric_kernel.h"
 
 #include <cmath>
+#include <cstring>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -104,6 +105,27 @@ TEST(RotationResidual, JacobianEqualsCentralDifferences) {
     }
   }
   EXPECT_GT(compared, 1500);
+}
+
+// A GPU computes one residual per thread.
+TEST(RotationResidual, LanesGiveTheSameBits) {
+  std::vector<float> last = plane_image(kWidth, kHeight);
+  const std::vector<float> now = plane_image(kWidth, kHeight);
+  for (size_t i = 0; i < last.size(); i += 13) last[i] = -1;  // shows nothing
+  const RotationResidual residual{{last.data(), kWidth, kHeight},
+                                  to_rigid3f(Pose(exp_so3({0.03, -0.05, 0.02}))).R,
+                                  {{now.data(), kWidth, kHeight}, kCamera, {-0.1f, 2.0f}, 5.0f, 2.5f}};
+  int compared = 0;
+  for (int64_t i = 3; i + 8 <= kWidth * kHeight; i += 8) {
+    exec::ResidualRowsOf<kPhotometricUnknowns, 8> rows;
+    residual.rows<8>(i, &rows);
+    for (int l = 0; l < 8; ++l) {
+      const auto row = residual(i + l), lane = rows.at(l);
+      ASSERT_EQ(std::memcmp(&row, &lane, sizeof(row)), 0) << i + l;
+      compared += row.weight > 0;
+    }
+  }
+  EXPECT_GT(compared, 1000);
 }
 
 // A frame at the reference's own place sees every point as bright as the reference did.
