@@ -7,6 +7,7 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <sys/resource.h>
 #include <thread>
 
 #include "onboard/source/frame_source.h"
@@ -14,7 +15,8 @@
 namespace kt {
 
 /// Reads a source ahead on its own thread, at most `capacity` frames and skipped ones, with the motion
-/// samples among them; order and content are the source's.
+/// samples among them; order and content are the source's. That thread gives way to those that process: on a
+/// busy machine images are decoded while the tracker waits, not in its stead.
 class FrameQueue {
  public:
   explicit FrameQueue(FrameSource& source, size_t capacity = 4)
@@ -52,6 +54,9 @@ class FrameQueue {
   bool is_full() const { return large_items_ >= capacity_ || items_.size() >= kMostItems; }
 
   void read() {
+    constexpr int kLeastUrgent = 19;  // niceness
+    setpriority(PRIO_PROCESS, 0,
+                kLeastUrgent);  // of this thread alone, as Linux has it; may fail, may not hurt
     try {
       for (bool more = true; more;) {
         SourceItem item = source_.next();

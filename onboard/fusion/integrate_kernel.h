@@ -35,7 +35,7 @@ struct TileDepthRange {
 };
 
 /// Flags the bricks that a frame changes: those that its truncation band may reach, and those that hold
-/// surface where it sees through. By block of bricks, so that what lies outside the view costs little.
+/// surface where it sees through. By block of bricks, so that those which nothing can reach cost little.
 struct SelectBlock {
   VolumeView volume;
   PinholeParams camera;
@@ -53,11 +53,21 @@ struct SelectBlock {
     const Vec3i low{static_cast<int32_t>(block % blocks) * kBlockSide,
                     static_cast<int32_t>(block / blocks % blocks) * kBlockSide,
                     static_cast<int32_t>(block / blocks / blocks) * kBlockSide};
-    const bool visible = can_be_seen(sphere(low, kBlockSide));
-    for (int k = 0; k < kBlockSide * kBlockSide * kBlockSide; ++k) {
-      const Vec3i b = low + Vec3i{k % kBlockSide, k / kBlockSide % kBlockSide, k / kBlockSide / kBlockSide};
-      const int64_t slot = volume.slot(b);
-      selected[slot] = visible && changes(sphere(b, 1), volume.brick_states[slot] == kBrickSurface) ? 1 : 0;
+    // Blocks are aligned in the ring: four bricks along x are neighbours there too.
+    bool holds_surface = false;
+    for (int row = 0; row < kBlockSide * kBlockSide; ++row) {
+      const uint8_t* states = volume.brick_states + volume.slot(row_of(low, row));
+      for (int x = 0; x < kBlockSide; ++x) holds_surface |= states[x] == kBrickSurface;
+    }
+    const Sphere around = sphere(low, kBlockSide);
+    const bool any = can_be_seen(around) && changes(around, holds_surface);
+    for (int row = 0; row < kBlockSide * kBlockSide; ++row) {
+      const Vec3i first = row_of(low, row);
+      const int64_t slot = volume.slot(first);
+      for (int x = 0; x < kBlockSide; ++x) {
+        const bool is_surface = volume.brick_states[slot + x] == kBrickSurface;
+        selected[slot + x] = any && changes(sphere(first + Vec3i{x, 0, 0}, 1), is_surface) ? 1 : 0;
+      }
     }
   }
 
@@ -66,6 +76,11 @@ struct SelectBlock {
     Vec3f p;  // centre in the camera frame (m)
     float radius;
   };
+
+  // First of the kBlockSide bricks along x that are row `row` of a block.
+  KT_HOST_DEVICE static Vec3i row_of(Vec3i low, int row) {
+    return low + Vec3i{0, row % kBlockSide, row / kBlockSide};
+  }
 
   // Around the voxel centres of the cube of `side` bricks whose lowest is b.
   KT_HOST_DEVICE Sphere sphere(Vec3i b, int side) const {
