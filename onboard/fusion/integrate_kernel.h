@@ -12,7 +12,8 @@ namespace kt {
 struct DepthRange {
   float nearest_m = 1e9f, farthest_m = 0.0f;
 };
-inline constexpr int kTileSide = 16;  // px
+inline constexpr int kTileSide = 16;            // px
+inline constexpr float kNearestVoxelM = 0.05f;  // nearer voxels are not fused
 
 struct TileDepthRange {
   const FusionPixel* pixels;
@@ -105,12 +106,15 @@ struct SelectBlock {
   }
 
   KT_HOST_DEVICE bool changes(Sphere s, bool holds_surface) const {
-    if (s.p.z + s.radius < 0.1f) return false;
-    // Bounding box of the sphere in the image, generous near the camera.
-    const float nearest_z = max_of(s.p.z - s.radius, 0.1f);
-    const float reach_u = s.radius / nearest_z * camera.fx, reach_v = s.radius / nearest_z * camera.fy;
-    const float scale = 1.0f / max_of(s.p.z, 0.1f);
-    const float u = s.p.x * scale * camera.fx + camera.cx, v = s.p.y * scale * camera.fy + camera.cy;
+    if (s.p.z + s.radius < kNearestVoxelM) return false;
+    // The pixels of its points lie in this box: |x / z - x_0 / z_0| is at most r sqrt(1 + (x_0 / z_0)^2) /
+    // (z_0 - r).
+    const float scale = 1.0f / max_of(s.p.z, kNearestVoxelM),
+                per_z = s.radius / max_of(s.p.z - s.radius, kNearestVoxelM);
+    const float du = s.p.x * scale * camera.fx, dv = s.p.y * scale * camera.fy;
+    const float reach_u = per_z * sqrtf(camera.fx * camera.fx + du * du) + 0.5f,
+                reach_v = per_z * sqrtf(camera.fy * camera.fy + dv * dv) + 0.5f;
+    const float u = camera.cx + du + 0.5f, v = camera.cy + dv + 0.5f;
     const float u0 = max_of(u - reach_u, 0.0f),
                 u1 = min_of(u + reach_u, static_cast<float>(camera.width - 1));
     const float v0 = max_of(v - reach_v, 0.0f),
@@ -208,7 +212,8 @@ struct FuseColumns {
         const float inverse = 1.0f / p_z;
         const float u = (row.x + along_x.x * offset) * inverse * camera.fx + camera.cx + 0.5f;
         const float v = (row.y + along_x.y * offset) * inverse * camera.fy + camera.cy + 0.5f;
-        const int32_t in_image = (p_z >= 0.05f) & (u >= 0.0f) & (v >= 0.0f) & (u < width) & (v < height);
+        const int32_t in_image =
+            (p_z >= kNearestVoxelM) & (u >= 0.0f) & (v >= 0.0f) & (u < width) & (v < height);
         depth[z * kLanes + l] = p_z;
         seen[z * kLanes + l] = in_image;
         pixel[z * kLanes + l] = static_cast<int32_t>(in_image ? v : 0.0f) * camera.width +

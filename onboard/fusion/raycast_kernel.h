@@ -106,7 +106,9 @@ struct RaycastTile {
       }
       t = exit;
     }
-    // Where the middle ray enters or leaves the volume, others may do so sooner or later.
+    // Other rays may enter the volume where the middle one does not, and leave it much later.
+    if (ray.enter_m > min_depth_m) stretch.start_m = min_depth_m;
+    if (ray.leave_m < max_depth_m) stretch.end_m = max_depth_m;
     stretches[int64_t{tile_v} * ((camera.width + kRayTileSide - 1) / kRayTileSide) + tile_u] = {
         stretch.start_m - spread * stretch.start_m, stretch.end_m + spread * stretch.end_m};
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "shared/core/check.h"
 #include "shared/exec/device.h"
 #include "shared/exec/launch_observer.h"
 
@@ -52,6 +53,7 @@ inline constexpr int kSimdLanes = 8, kWideLanes = 32;
 /// where it is 1. Elements stay independent, so both give the same bits. `count` is a multiple of kCpuLanes.
 template <int kCpuLanes = kSimdLanes, typename Functor>
 void for_each_lane(const Device& device, int64_t count, const Functor& functor) {
+  KT_CHECK(count % kCpuLanes == 0, "elements do not fill the lanes");
   const ObservedLaunch observed(device, typeid(Functor).name(), count);
 #if defined(KT_HAVE_CUDA)
   if (device.is_cuda()) return launch_for_each_lane(count, functor);

@@ -208,9 +208,9 @@ StartedReduction<kUnknownsOf<Functor>> start_normal_equations(const Device& devi
     for (int64_t i = begin; i < end; i += kSimdLanes) {
       alignas(32) ResidualRowsOf<kUnknowns, kSimdLanes> rows;
       fill_rows(f, i, end, &rows);
-      float any = 0.0f;
-      for (int l = 0; l < kSimdLanes; ++l) any += rows.weight[l];
-      if (!(any > 0.0f)) continue;  // adding zeros changes no bit
+      int32_t any = 0;
+      for (int l = 0; l < kSimdLanes; ++l) any |= rows.weight[l] > 0.0f;
+      if (!any) continue;  // adding zeros changes no bit
       add_products<kReductionLanes>(rows, &lanes[0][(i - begin) % kReductionLanes]);
     }
     for (int k = 0; k < At::kTerms; ++k) {

@@ -1,5 +1,6 @@
 // Kernels in lanes give the same bits however many lanes there are: a GPU runs them with one.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cstring>
 #include <gtest/gtest.h>
 #include <vector>
@@ -17,9 +18,10 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
-// A volume of 4 x 4 x 4 bricks of 2 cm in memory of its own, with random content.
+// A volume of 8 x 8 x 8 bricks of voxels of 2 cm, wrapped in its ring, in memory of its own, with random
+// content.
 struct RandomVolume {
-  static constexpr int kBricks = 4, kCount = kBricks * kBricks * kBricks;
+  static constexpr int kBricks = 8, kCount = kBricks * kBricks * kBricks;
   std::vector<Voxel> voxels = std::vector<Voxel>(kCount * kBrickVoxels);
   std::vector<ColourVoxel> colours = std::vector<ColourVoxel>(kCount * kBrickVoxels);
   std::vector<uint8_t> masks = std::vector<uint8_t>(kCount * kBrickColumns);
@@ -38,7 +40,7 @@ struct RandomVolume {
   }
   VolumeView view() {
     return {voxels.data(), colours.data(), masks.data(), states.data(), last_seen.data(),
-            kBricks,       {4, 0, 0},      {0, 0, 0},    0.02f,         0.1f};
+            kBricks,       {4, -4, 12},    {4, 4, 4},    0.02f,         0.1f};
   }
 };
 
@@ -73,6 +75,23 @@ TEST(Lanes, OfFuseColumnsGiveTheSameBits) {
   EXPECT_EQ(fused_by_one, fused_by_eight);
 }
 
+// As TsdfVolume measures them.
+std::vector<uint8_t> brick_distances(const VolumeView& volume) {
+  const int64_t rows = int64_t{volume.bricks} * volume.bricks, bricks = rows * volume.bricks;
+  std::vector<uint8_t> distances(static_cast<size_t>(bricks)), along_x = distances, along_y = distances;
+  for (int64_t slot = 0; slot < bricks; ++slot)
+    StartBrickDistance{volume.brick_states, distances.data()}(slot);
+  for (int round = 1; round < kFarthestBrick; ++round) {
+    for (int64_t row = 0; row < rows; ++row)
+      SpreadBrickDistance{volume.bricks, 0, distances.data(), nullptr, along_x.data()}(row);
+    for (int64_t row = 0; row < rows; ++row)
+      SpreadBrickDistance{volume.bricks, 1, along_x.data(), nullptr, along_y.data()}(row);
+    for (int64_t row = 0; row < rows; ++row)
+      SpreadBrickDistance{volume.bricks, 2, along_y.data(), distances.data(), distances.data()}(row);
+  }
+  return distances;
+}
+
 TEST(Lanes, OfRaycastGiveTheSameBits) {
   VolumeConfig config;
   config.resolution = 128;
@@ -84,7 +103,9 @@ TEST(Lanes, OfRaycastGiveTheSameBits) {
   camera.width -= 3;  // tiles at the right reach beyond the image
   const VolumeView volume = recorder.volume.view();
   const auto tiles = static_cast<size_t>(RaycastPixel::element_count(camera) / kTilePixels);
-  const std::vector<uint8_t> distances(static_cast<size_t>(volume.bricks) * volume.bricks * volume.bricks);
+  const std::vector<uint8_t> distances = brick_distances(volume);
+  EXPECT_GT(std::count(distances.begin(), distances.end(), kFarthestBrick), 0) << "rays leap nowhere";
+  EXPECT_GT(std::count(distances.begin(), distances.end(), 1), 0);
   const std::vector<RayStretch> stretches(tiles, RayStretch{0.0f, 100.0f});
   const auto pixels = static_cast<size_t>(camera.pixel_count());
   const Pose T_volume_camera =

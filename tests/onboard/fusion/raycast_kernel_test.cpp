@@ -107,6 +107,32 @@ TEST(Raycast, OfARoomIsCompleteAndExact) {
   EXPECT_LT(errors.mean_normal_deg, 5);
 }
 
+// From close to a side face of the volume, along it: neighbouring rays leave the volume at very different
+// depths.
+TEST(Raycast, SeesAWallToTheVolumesEdge) {
+  Recorder recorder{.scene = AnalyticScene({Plane{{0, 0, -1}, -2.0}}), .config = volume_of(0.02, 128)};
+  recorder.volume.follow(Pose::Identity());
+  for (const double turn : {-40.0, -20.0, 0.0, 20.0, 40.0}) recorder.fuse(pose_of({0, turn, 0}, {0, 0, 0}));
+  const VolumeView volume = recorder.volume.view();
+  const double edge_m = 0.02 * (volume.origin_voxel().x + volume.voxels_per_axis() - 3);
+  int inside = 0, seen = 0;
+  for (double x = 0.8; x < 1.15; x += 0.02) {
+    const ModelView& view = recorder.volume.raycast(pose_of({0, 0, 0}, {x, 0, 0}));
+    const std::vector<Vec4f> points = view.points.downloaded();
+    for (int v = 0; v < view.camera.height; ++v) {
+      for (int u = 0; u < view.camera.width; ++u) {
+        const Vec3f p = view.camera.unproject(static_cast<float>(u), static_cast<float>(v), 2.0f);
+        const double p_x = x + static_cast<double>(p.x);
+        if (p_x < 0 || p_x > edge_m || std::abs(p.y) > 0.5f) continue;
+        ++inside;
+        seen += points[static_cast<size_t>(v * view.camera.width + u)].w > 0;
+      }
+    }
+  }
+  EXPECT_GT(inside, 5'000);
+  EXPECT_EQ(seen, inside);
+}
+
 TEST(Raycast, SeesNothingInAnEmptyVolumeOrFromBehind) {
   Recorder recorder{.scene = AnalyticScene({Plane{{0, 0, -1}, -1.0}}), .config = volume_of(0.02, 128)};
   recorder.volume.follow(Pose::Identity());
