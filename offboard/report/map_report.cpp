@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include "nlohmann/json.hpp"
 
@@ -63,6 +64,26 @@ Json map_json(const Mesh& map) {
   return json;
 }
 
+// The tests one after the other: how many candidates failed each, and how many were left behind it.
+Json loops_json(const std::vector<LoopClosure>& loops) {
+  std::array<int64_t, kLoopVerdicts> by_verdict{};
+  std::set<int64_t> frames;
+  for (const LoopClosure& loop : loops) {
+    ++by_verdict[static_cast<size_t>(loop.verdict)];
+    frames.insert(loop.to);
+  }
+  Json funnel = Json::object();
+  auto left = static_cast<int64_t>(loops.size());
+  for (size_t i = 1; i < by_verdict.size(); ++i) {
+    left -= by_verdict[i];
+    funnel[to_string(static_cast<LoopVerdict>(i))] = {{"rejected", by_verdict[i]}, {"left", left}};
+  }
+  return {{"candidates", loops.size()},
+          {"keyframes_with_candidates", frames.size()},
+          {"accepted", by_verdict[static_cast<size_t>(LoopVerdict::kAccepted)]},
+          {"funnel", funnel}};
+}
+
 Json segment_json(const SegmentMap& map) {
   const Trajectory& trajectory = map.segment.trajectory;
   const bool is_empty = trajectory.empty();
@@ -96,8 +117,6 @@ double path_length_m(const Trajectory& trajectory) {
 
 std::string map_report(const Session& session, std::span<const SegmentMap> segments, size_t main,
                        const RunFigures& run) {
-  const auto accepted = std::count_if(session.loop_closures.begin(), session.loop_closures.end(),
-                                      [](const LoopClosure& loop) { return loop.accepted; });
   Json steps;
   for (const auto& [name, seconds] : run.steps_s) steps[name] = seconds;
   const Json report = {
@@ -108,7 +127,7 @@ std::string map_report(const Session& session, std::span<const SegmentMap> segme
       {"frames", frames_json(segments, session.last_status.frames_skipped)},
       {"trajectory", trajectory_json(segments[main].segment.trajectory)},
       {"keyframes", session.keyframes.size()},
-      {"loop_closures", {{"candidates", session.loop_closures.size()}, {"accepted", accepted}}},
+      {"loop_closures", loops_json(session.loop_closures)},
       {"slices", slices_json(segments)},
       {"map", map_json(segments[main].map)},
       {"segments", segments_json(segments, main)},

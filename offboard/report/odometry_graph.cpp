@@ -28,7 +28,7 @@ PoseGraph odometry_graph(const Trajectory& poses, std::span<const LoopClosure> l
     graph.edges.push_back({from->sequence, pose.sequence, T_from_current, pose.information});
   }
   for (const LoopClosure& loop : loop_closures) {
-    if (!loop.accepted || !find(loop.from) || !find(loop.to)) continue;
+    if (!loop.accepted() || !find(loop.from) || !find(loop.to)) continue;
     graph.edges.push_back({loop.from, loop.to, loop.T_from_to, loop.information});
   }
   return graph;

@@ -1,4 +1,4 @@
-// A frame kept for place recognition: its features, their 3-D points and a thumbnail.
+// A frame kept for place recognition: its features, their 3-D points, its depth and a thumbnail.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -6,21 +6,26 @@
 #include <string>
 #include <vector>
 
+#include "shared/core/image.h"
 #include "shared/core/vec.h"
 #include "shared/geometry/se3.h"
 
 namespace kt {
 
+/// All that is needed to compare two places: keyframes of a log can be searched again without its images.
 struct Keyframe {
   int64_t sequence = 0;  ///< of the frame it was made from
   int64_t timestamp_us = 0;
+  int segment = 0;
   Pose T_odom_camera = Pose::Identity();
-  std::string descriptor_type;       ///< "surf64", "orb", ...
+  std::string descriptor_type;       ///< "surf64", "orb256", ...
   int descriptor_size = 0;           ///< bytes per descriptor
-  std::vector<float> u_px, v_px;     ///< keypoints in the undistorted colour image
+  std::vector<float> u_px, v_px;     ///< keypoints in the undistorted colour image, at full resolution
+  std::vector<float> scale_px;       ///< size of each keypoint's structure, in the same pixels
   std::vector<Vec3f> p_camera;       ///< their points in the depth camera (m); z = 0 where depth is missing
   std::vector<uint8_t> descriptors;  ///< keypoint count x descriptor_size bytes
-  std::vector<uint8_t> thumbnail_jpeg;  ///< may be empty
+  Image<uint16_t> depth;  ///< of the undistorted depth camera at a quarter of its resolution (mm); 0 = none
+  Image<Rgb8> thumbnail;  ///< of the colour image as recorded, for people; travels as JPEG; may be empty
 };
 
 }  // namespace kt

@@ -2,17 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/types/stamped_pose.h"
 
-#include <array>
+#include "shared/types/names.h"
 
 namespace kt {
-namespace {
-
-template <size_t kCount>
-const char* name_of(const std::array<const char*, kCount>& names, size_t index) {
-  return index < kCount ? names[index] : "unknown";
-}
-
-}  // namespace
 
 const char* to_string(TrackingStatus status) {
   return name_of(std::array{"good", "uncertain", "lost"}, static_cast<size_t>(status));

@@ -1,4 +1,5 @@
-// Copies each message between its plain struct and its generated LCM type.
+// Copies each message between its plain struct and its generated LCM type; those of places are in
+// place_codec.cpp.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/wire/codec.h"
 
@@ -6,16 +7,13 @@
 #include <utility>
 
 #include "kintsugi/cloud_slice_t.hpp"
-#include "kintsugi/keyframe_t.hpp"
-#include "kintsugi/loop_closure_t.hpp"
 #include "kintsugi/motion_t.hpp"
 #include "kintsugi/pose_t.hpp"
 #include "kintsugi/rgbd_frame_t.hpp"
 #include "kintsugi/session_t.hpp"
 #include "kintsugi/status_t.hpp"
 #include "shared/wire/lcm_fields.h"
-#include "shared/wire/message_layout.h"
-#include "shared/wire/validity.h"
+#include "shared/wire/sealed_message.h"
 
 namespace kt {
 namespace {
@@ -24,53 +22,9 @@ namespace {
 const MessageLayout kSessionLayout{.fixed_bytes = 300, .strings = 3};
 const MessageLayout kPoseLayout{.fixed_bytes = 348};
 const MessageLayout kSliceLayout{.fixed_bytes = 153, .arrays = {{145, 43}, {149, 12}}};
-const MessageLayout kKeyframeLayout{
-    .fixed_bytes = 148, .arrays = {{136, 20}, {140, 1}, {144, 1}}, .strings = 1};
-const MessageLayout kLoopLayout{.fixed_bytes = 321, .arrays = {{317, 24}}, .strings = 1};
 const MessageLayout kStatusLayout{.fixed_bytes = 187};
 const MessageLayout kFrameLayout{.fixed_bytes = 52, .arrays = {{44, 1}, {48, 1}}};
 const MessageLayout kMotionLayout{.fixed_bytes = 197};
-
-template <typename Lcm>
-std::vector<uint8_t> seal(Lcm& message, const MessageLayout& layout, int64_t sequence, int64_t timestamp_us) {
-  message.header = {};
-  message.header.sequence = sequence;
-  message.header.timestamp_us = timestamp_us;
-  const int size = message.getEncodedSize();
-  KT_CHECK(size > 0 && size <= kMaxMessageBytes);
-  std::vector<uint8_t> bytes(static_cast<size_t>(size));
-  KT_CHECK(message.encode(bytes.data(), 0, size) == size);
-  KT_CHECK(check_layout(bytes, layout) == DecodeStatus::kOk, "the layout differs from lcmtypes/");
-  store_checksum(bytes);
-  return bytes;
-}
-
-template <typename Lcm>
-DecodeStatus open(std::span<const uint8_t> bytes, const MessageLayout& layout, Lcm& message) {
-  if (bytes.size() < kHeaderEnd || bytes.size() > kMaxMessageBytes) return DecodeStatus::kWrongLength;
-  if (load_int64(bytes.data()) != Lcm::getHash()) return DecodeStatus::kWrongType;
-  if (const DecodeStatus status = check_layout(bytes, layout); status != DecodeStatus::kOk) return status;
-  if (message_checksum(bytes) != stored_checksum(bytes)) return DecodeStatus::kBadChecksum;
-  const int size = static_cast<int>(bytes.size());
-  if (message.decode(bytes.data(), 0, size) != size) return DecodeStatus::kWrongLength;
-  return message.header.sequence >= 0 ? DecodeStatus::kOk : DecodeStatus::kOutOfRange;
-}
-
-// Hands `value` out where it can be.
-template <typename T>
-DecodeStatus accept(T&& value, T& out) {
-  const DecodeStatus status = validity(value);
-  if (status == DecodeStatus::kOk) out = std::move(value);
-  return status;
-}
-
-template <typename T>
-void check_valid(const T& value, int64_t message_sequence) {
-  KT_CHECK(message_sequence >= 0);
-  const DecodeStatus status = validity(value);
-  KT_CHECK(status == DecodeStatus::kOk,
-           std::string("message on ") + std::string(channel_of<T>()) + ": " + to_string(status));
-}
 
 }  // namespace
 
@@ -234,76 +188,6 @@ DecodeStatus decode(std::span<const uint8_t> bytes, CloudSlice& slice) {
                           static_cast<uint32_t>(message.c[i])};
   }
   return accept(std::move(value), slice);
-}
-
-std::vector<uint8_t> encode(const Keyframe& keyframe, int64_t message_sequence) {
-  check_valid(keyframe, message_sequence);
-  kintsugi::keyframe_t message{};
-  message.frame = keyframe.sequence;
-  pack(keyframe.T_odom_camera, message.T_odom_camera);
-  message.descriptor_size = keyframe.descriptor_size;
-  message.feature_count = wire_count(keyframe.u_px.size(), 64);
-  message.descriptor_bytes = wire_count(keyframe.descriptors.size(), 8);
-  message.thumbnail_bytes = wire_count(keyframe.thumbnail_jpeg.size(), 8);
-  message.u_px = keyframe.u_px;
-  message.v_px = keyframe.v_px;
-  pack(keyframe.p_camera, message.x_camera, message.y_camera, message.z_camera);
-  message.descriptors = keyframe.descriptors;
-  message.thumbnail_jpeg = keyframe.thumbnail_jpeg;
-  message.descriptor_type = keyframe.descriptor_type;
-  return seal(message, kKeyframeLayout, message_sequence, keyframe.timestamp_us);
-}
-
-DecodeStatus decode(std::span<const uint8_t> bytes, Keyframe& keyframe) {
-  kintsugi::keyframe_t message{};
-  if (const DecodeStatus status = open(bytes, kKeyframeLayout, message); status != DecodeStatus::kOk)
-    return status;
-  Keyframe value;
-  value.sequence = message.frame;
-  value.timestamp_us = message.header.timestamp_us;
-  value.T_odom_camera = unpack_pose(message.T_odom_camera);
-  value.descriptor_type = std::move(message.descriptor_type);
-  value.descriptor_size = message.descriptor_size;
-  value.u_px = std::move(message.u_px);
-  value.v_px = std::move(message.v_px);
-  value.p_camera = unpack_points(message.x_camera, message.y_camera, message.z_camera);
-  value.descriptors = std::move(message.descriptors);
-  value.thumbnail_jpeg = std::move(message.thumbnail_jpeg);
-  return accept(std::move(value), keyframe);
-}
-
-std::vector<uint8_t> encode(const LoopClosure& loop, int64_t message_sequence) {
-  check_valid(loop, message_sequence);
-  kintsugi::loop_closure_t message{};
-  message.candidate = loop.sequence;
-  message.from_frame = loop.from;
-  message.to_frame = loop.to;
-  pack(loop.T_from_to, message.T_from_to);
-  pack(loop.information, message.information);
-  message.accepted = loop.accepted;
-  message.inlier_count = wire_count(loop.p_from.size(), 24);
-  pack(loop.p_from, message.from_x, message.from_y, message.from_z);
-  pack(loop.p_to, message.to_x, message.to_y, message.to_z);
-  message.reason = loop.reason;
-  return seal(message, kLoopLayout, message_sequence, loop.timestamp_us);
-}
-
-DecodeStatus decode(std::span<const uint8_t> bytes, LoopClosure& loop) {
-  kintsugi::loop_closure_t message{};
-  if (const DecodeStatus status = open(bytes, kLoopLayout, message); status != DecodeStatus::kOk)
-    return status;
-  LoopClosure value;
-  value.sequence = message.candidate;
-  value.timestamp_us = message.header.timestamp_us;
-  value.from = message.from_frame;
-  value.to = message.to_frame;
-  value.T_from_to = unpack_pose(message.T_from_to);
-  value.information = unpack_information(message.information);
-  value.accepted = message.accepted != 0;
-  value.reason = std::move(message.reason);
-  value.p_from = unpack_points(message.from_x, message.from_y, message.from_z);
-  value.p_to = unpack_points(message.to_x, message.to_y, message.to_z);
-  return accept(std::move(value), loop);
 }
 
 std::vector<uint8_t> encode(const MissionStatus& status, int64_t message_sequence) {

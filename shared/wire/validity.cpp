@@ -26,6 +26,7 @@ bool is_text(const std::string& text) { return text.find('\0') == std::string::n
 bool is_segment(int segment) { return segment >= 0; }
 bool is_source(PoseSource source) { return static_cast<int>(source) < kPoseSources; }
 bool is_cause(TrackingCause cause) { return static_cast<int>(cause) < kTrackingCauses; }
+bool is_verdict(LoopVerdict verdict) { return static_cast<int>(verdict) < kLoopVerdicts; }
 
 bool is_finite(Vec3f p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 bool is_near(Vec3f p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kMaxCoordinate_m; }
@@ -57,6 +58,12 @@ DecodeStatus check_points(const std::vector<Vec3f>& points) {
 DecodeStatus check_pixels(const std::vector<float>& values) {
   return std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); }) ? kOk
                                                                                              : kNotFinite;
+}
+
+DecodeStatus check_scales(const std::vector<float>& scales_px) {
+  const DecodeStatus finite = check_pixels(scales_px);
+  if (finite != kOk) return finite;
+  return std::all_of(scales_px.begin(), scales_px.end(), [](float x) { return x > 0; }) ? kOk : kOutOfRange;
 }
 
 }  // namespace
@@ -102,22 +109,32 @@ DecodeStatus validity(const CloudSlice& slice) {
 
 DecodeStatus validity(const Keyframe& keyframe) {
   const size_t count = keyframe.u_px.size();
-  if (!is_count(keyframe.sequence) || !is_stamp(keyframe.timestamp_us) ||
+  if (!is_count(keyframe.sequence) || !is_stamp(keyframe.timestamp_us) || !is_segment(keyframe.segment) ||
       !is_text(keyframe.descriptor_type)) {
     return kOutOfRange;
   }
   if (keyframe.descriptor_size < 0 || keyframe.descriptor_size > kMaxDescriptorBytes) return kOutOfRange;
-  if (keyframe.v_px.size() != count || keyframe.p_camera.size() != count) return kOutOfRange;
+  if (keyframe.v_px.size() != count || keyframe.scale_px.size() != count || keyframe.p_camera.size() != count)
+    return kOutOfRange;
   if (keyframe.descriptors.size() != count * static_cast<size_t>(keyframe.descriptor_size))
     return kOutOfRange;
+  if (std::max(keyframe.depth.width(), keyframe.depth.height()) > kMaxKeyframeDepthSize) return kOutOfRange;
   return first_of({check_pose(keyframe.T_odom_camera), check_pixels(keyframe.u_px),
-                   check_pixels(keyframe.v_px), check_points(keyframe.p_camera)});
+                   check_pixels(keyframe.v_px), check_scales(keyframe.scale_px),
+                   check_points(keyframe.p_camera)});
 }
 
 DecodeStatus validity(const LoopClosure& loop) {
-  if (!is_count(loop.sequence) || !is_stamp(loop.timestamp_us) || !is_text(loop.reason)) return kOutOfRange;
+  if (!is_count(loop.sequence) || !is_stamp(loop.timestamp_us) || !is_verdict(loop.verdict))
+    return kOutOfRange;
   if (!is_count(loop.from) || !is_count(loop.to) || loop.from >= loop.to) return kOutOfRange;
   if (loop.p_from.size() != loop.p_to.size()) return kOutOfRange;
+  if (!std::isfinite(loop.similarity) || !std::isfinite(loop.reprojection_px) ||
+      !std::isfinite(loop.overlap) || !std::isfinite(loop.surface_rms_m))
+    return kNotFinite;
+  if (loop.matches < 0 || loop.similarity < 0 || loop.reprojection_px < 0 || loop.surface_rms_m < 0 ||
+      loop.overlap < 0 || loop.overlap > 1)
+    return kOutOfRange;
   return first_of({check_pose(loop.T_from_to), check_information(loop.information), check_points(loop.p_from),
                    check_points(loop.p_to)});
 }

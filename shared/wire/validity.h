@@ -6,6 +6,9 @@
 
 namespace kt {
 
+/// Of the depth image of a keyframe, to either side: a quarter of any camera's, with room.
+inline constexpr int kMaxKeyframeDepthSize = 4096;
+
 /// kOk, kNotFinite or kOutOfRange.
 DecodeStatus validity(const SessionHeader& session);
 DecodeStatus validity(const StampedPose& pose);

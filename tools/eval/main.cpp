@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "offboard/session/load_session.h"
 #include "shared/cli/program.h"
 #include "shared/io/file.h"
 #include "shared/io/g2o.h"
@@ -37,7 +38,7 @@ struct Output {
 };
 
 struct TrajectoryCommand {
-  std::string estimate, groundtruth, graph;
+  std::string estimate, groundtruth, graph, log;
   double max_difference_s = 0.02, delta = 1;
   DeltaUnit unit = DeltaUnit::kSeconds;
   Output output;
@@ -49,6 +50,9 @@ struct TrajectoryCommand {
         ->required();
     app.add_option("--graph", graph,
                    "poses.g2o beside the estimate: whether its information is honest over --delta");
+    app.add_option("--log", log,
+                   "the mission's log: which revisits its loop closures found, and are they right")
+        ->type_name("MISSION.lcm");
     app.add_option("--max-difference", max_difference_s, "largest difference of paired stamps (s)")
         ->capture_default_str()
         ->check(CLI::Range(1e-6, 60.0));
@@ -74,7 +78,13 @@ struct TrajectoryCommand {
       nees = consistency(truth, poses, read_g2o(graph), delta, unit);
       text += consistency_text(nees);
     }
-    output.print(text, trajectory_json(ate, rpe, nees));
+    nlohmann::ordered_json json = trajectory_json(ate, rpe, nees);
+    if (!log.empty()) {
+      const LoopEvaluation loops = evaluate_loops(load_session(log), truth);
+      text += loops_text(loops);
+      json["loops"] = loops_json(loops);
+    }
+    output.print(text, json);
   }
 };
 

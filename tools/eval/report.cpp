@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/eval/report.h"
 
+#include <array>
 #include <cstdio>
 
 namespace kt {
@@ -32,6 +33,34 @@ nlohmann::ordered_json nees_json(const Statistics& s) {
 
 std::string nees_line(const char* what, const Statistics& s) {
   return line("%-22s mean %8.3f  median %8.3f  p95 %8.3f\n", what, s.mean, s.median, s.p95);
+}
+
+nlohmann::ordered_json share_json(int64_t part, int64_t whole) {
+  if (whole == 0) return nullptr;
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+
+using VerdictCounts = std::array<int64_t, kLoopVerdicts>;
+
+nlohmann::ordered_json verdicts_json(const VerdictCounts& counts) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (size_t i = 0; i < counts.size(); ++i) json[to_string(static_cast<LoopVerdict>(i))] = counts[i];
+  return json;
+}
+
+/// Those that occur: "3 too few matches, 1 weak".
+std::string verdicts_text(const VerdictCounts& counts) {
+  std::string text;
+  for (size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] == 0) continue;
+    if (!text.empty()) text += ", ";
+    text += std::to_string(counts[i]) + " " + to_string(static_cast<LoopVerdict>(i));
+  }
+  return text.empty() ? "none" : text;
+}
+
+nlohmann::ordered_json typical_and_worst_json(const std::optional<Statistics>& s, const std::string& unit) {
+  return {{"median_" + unit, s->median}, {"p95_" + unit, s->p95}, {"max_" + unit, s->max}};
 }
 
 }  // namespace
@@ -73,6 +102,45 @@ nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErro
   return json;
 }
 
+nlohmann::ordered_json loops_json(const LoopEvaluation& loops) {
+  nlohmann::ordered_json json = {{"keyframes", loops.keyframes},
+                                 {"keyframes_left_out", loops.keyframes_left_out},
+                                 {"candidates", loops.candidates()},
+                                 {"by_verdict", verdicts_json(loops.by_verdict)},
+                                 {"accepted", loops.accepted()},
+                                 {"judged", loops.judged.size()},
+                                 {"correct", loops.correct()},
+                                 {"precision", nullptr},
+                                 {"error", nullptr}};
+  if (!loops.judged.empty()) {
+    json["precision"] = *loops.precision();
+    json["error"] = {{"translation", typical_and_worst_json(loops.translation_m(), "m")},
+                     {"rotation", typical_and_worst_json(loops.rotation_deg(), "deg")}};
+  }
+  json["revisits"] = {{"keyframes", loops.revisit_keyframes},
+                      {"recalled", loops.recalled_keyframes},
+                      {"recall", share_json(loops.recalled_keyframes, loops.revisit_keyframes)},
+                      {"unproposed", loops.unproposed_keyframes},
+                      {"by_verdict", verdicts_json(loops.revisits_by_verdict)}};
+  auto events = nlohmann::ordered_json::array(), wrong = nlohmann::ordered_json::array();
+  for (const LoopEvaluation::Event& event : loops.events) {
+    events.push_back({{"first", event.first},
+                      {"last", event.last},
+                      {"keyframes", event.keyframes},
+                      {"recalled", event.is_recalled}});
+  }
+  json["events"] = {{"count", loops.events.size()}, {"recalled", loops.recalled_events()}, {"list", events}};
+  for (const LoopEvaluation::JudgedClosure& closure : loops.judged) {
+    if (closure.is_correct) continue;
+    wrong.push_back({{"from", closure.from},
+                     {"to", closure.to},
+                     {"translation_m", closure.translation_m},
+                     {"rotation_deg", closure.rotation_deg}});
+  }
+  json["wrong"] = wrong;
+  return json;
+}
+
 std::string trajectory_text(const AbsoluteTrajectoryError& ate, const std::optional<RelativePoseError>& rpe) {
   return statistics_line("ATE", ate.translation_m, 1000, "mm") +
          (rpe ? statistics_line("RPE translation", rpe->translation_m, 1000, "mm") +
@@ -93,6 +161,36 @@ std::string consistency_text(const std::optional<Consistency>& consistency) {
          line("%-22s 1 is honest, above it overconfident; %lld pairs, %lld left out\n", "",
               static_cast<long long>(consistency->pairs),
               static_cast<long long>(consistency->pairs_left_out));
+}
+
+std::string loops_text(const LoopEvaluation& loops) {
+  const auto count = [](int64_t n) { return static_cast<long long>(n); };
+  std::string text = line("%-22s %lld of %zu events recalled, %lld of %lld keyframes with a true revisit\n",
+                          "loops", count(loops.recalled_events()), loops.events.size(),
+                          count(loops.recalled_keyframes), count(loops.revisit_keyframes));
+  text += line("%-22s %lld correct of %zu that could be judged, %lld in all\n", "  accepted",
+               count(loops.correct()), loops.judged.size(), count(loops.accepted()));
+  if (!loops.judged.empty()) {
+    const Statistics m = *loops.translation_m(), deg = *loops.rotation_deg();
+    text += line("%-22s median %.2f mm, %.3f deg  p95 %.2f mm, %.3f deg  max %.2f mm, %.3f deg\n", "  error",
+                 1000 * m.median, deg.median, 1000 * m.p95, deg.p95, 1000 * m.max, deg.max);
+  }
+  VerdictCounts missed = loops.revisits_by_verdict;
+  missed[static_cast<size_t>(LoopVerdict::kAccepted)] = 0;
+  text += line("%-22s ", "  candidates") + verdicts_text(loops.by_verdict) + "\n" +
+          line("%-22s ", "  missed revisits") + verdicts_text(missed) +
+          line("; %lld keyframes without a candidate\n", count(loops.unproposed_keyframes));
+  for (const LoopEvaluation::Event& event : loops.events) {
+    if (event.is_recalled) continue;
+    text += line("%-22s frames %lld to %lld, %lld keyframes\n", "  missed event", count(event.first),
+                 count(event.last), count(event.keyframes));
+  }
+  for (const LoopEvaluation::JudgedClosure& closure : loops.judged) {
+    if (closure.is_correct) continue;
+    text += line("%-22s frames %lld and %lld: %.1f mm, %.2f deg off\n", "  wrong closure",
+                 count(closure.from), count(closure.to), 1000 * closure.translation_m, closure.rotation_deg);
+  }
+  return text;
 }
 
 std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& options) {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tools/eval/consistency.h"
+#include "tools/eval/loop_evaluation.h"
 #include "tools/eval/surface_error.h"
 #include "tools/eval/trajectory_error.h"
 
@@ -21,9 +22,16 @@ nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate,
 /// {"accuracy": {"mean_m", ..., "share"}, "completeness": share, "completeness_distance": {...}, "f_score",
 /// ...}
 nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErrorOptions& options);
+/// {"keyframes", ..., "candidates", "by_verdict": {"accepted", "too few matches", ...}, "accepted", "judged",
+/// "correct", "precision", "error": {"translation": {"median_m", "p95_m", "max_m"}, "rotation": {...}},
+/// "revisits": {"keyframes", "recalled", "recall", "unproposed", "by_verdict": {...}},
+/// "events": {"count", "recalled", "list": [...]}, "wrong": [...]}; shares of nothing and "error" of no
+/// closure are null
+nlohmann::ordered_json loops_json(const LoopEvaluation& loops);
 
 std::string trajectory_text(const AbsoluteTrajectoryError& ate, const std::optional<RelativePoseError>& rpe);
 std::string consistency_text(const std::optional<Consistency>& consistency);
+std::string loops_text(const LoopEvaluation& loops);
 std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& options);
 
 }  // namespace kt

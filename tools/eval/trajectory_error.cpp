@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "shared/core/check.h"
+#include "tools/eval/groundtruth.h"
 
 namespace kt {
 namespace {
@@ -79,15 +80,6 @@ std::vector<double> positions_along(const Trajectory& trajectory, DeltaUnit unit
     }
   }
   return positions;
-}
-
-/// Ground truth farther from an estimate than twice its usual interval is missing, not close.
-double max_gap_us(const std::vector<int64_t>& stamps_us) {
-  std::vector<double> intervals_us;
-  for (size_t i = 1; i < stamps_us.size(); ++i) {
-    intervals_us.push_back(static_cast<double>(stamps_us[i] - stamps_us[i - 1]));
-  }
-  return intervals_us.empty() ? 0 : 2 * quantile(std::move(intervals_us), 0.5);
 }
 
 std::vector<StampPair> pair_stamps(const Trajectory& groundtruth, const Trajectory& estimate,

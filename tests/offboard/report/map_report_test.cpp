@@ -28,8 +28,11 @@ Session short_session() {
   }
   session.slices = {sample_slice()};
   session.slices[0].segment = 0;
-  session.loop_closures = {sample_loop(), sample_loop()};
-  session.loop_closures[1].accepted = false;
+  for (const LoopVerdict verdict : {LoopVerdict::kTooFewInliers, LoopVerdict::kAccepted, LoopVerdict::kWeak,
+                                    LoopVerdict::kTooFewInliers}) {
+    session.loop_closures.push_back(sample_loop(verdict));
+  }
+  session.loop_closures[3].to = 501;
   session.last_status.frames_skipped = 6;
   session.integrity.events = 9;
   return session;
@@ -58,8 +61,19 @@ TEST(MapReport, HoldsTheFiguresOfTheSession) {
   EXPECT_EQ(json["integrity"]["events"], 9);
   EXPECT_EQ(json["integrity"]["sound"], true);
   EXPECT_EQ(json["slices"]["vertices"], 5);
-  EXPECT_EQ(json["loop_closures"]["candidates"], 2);
-  EXPECT_EQ(json["loop_closures"]["accepted"], 1);
+  const auto& loops = json["loop_closures"];
+  EXPECT_EQ(loops["candidates"], 4);
+  EXPECT_EQ(loops["keyframes_with_candidates"], 2);
+  EXPECT_EQ(loops["accepted"], 1);
+  EXPECT_EQ(loops["funnel"].size(), 7u);
+  const auto step = [&loops](LoopVerdict verdict) {
+    const auto& counts = loops["funnel"][to_string(verdict)];
+    return std::pair<int, int>(counts["rejected"], counts["left"]);
+  };
+  EXPECT_EQ(step(LoopVerdict::kTooFewMatches), std::pair(0, 4));
+  EXPECT_EQ(step(LoopVerdict::kTooFewInliers), std::pair(2, 2));
+  EXPECT_EQ(step(LoopVerdict::kSurfaceMismatch), std::pair(0, 2));
+  EXPECT_EQ(step(LoopVerdict::kWeak), std::pair(1, 1));
   EXPECT_EQ(json["map"]["triangles"], 3);
   EXPECT_EQ(json["map"]["digest"], mesh_digest(maps[0].map).hex());
   EXPECT_FLOAT_EQ(json["map"]["high_m"][0], 0.4f);

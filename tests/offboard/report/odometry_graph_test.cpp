@@ -67,8 +67,8 @@ TEST(OdometryGraph, EdgesFromPosesThatAreNotThereAreLeftOut) {
 TEST(OdometryGraph, TakesAcceptedLoopsBetweenPosesThatAreThere) {
   Trajectory poses;
   for (const int64_t sequence : {10, 11, 500}) poses.push_back(sample_stamped_pose(sequence));
-  LoopClosure rejected = sample_loop(), dangling = sample_loop();
-  rejected.accepted = false;
+  const LoopClosure rejected = sample_loop(LoopVerdict::kWeak);
+  LoopClosure dangling = sample_loop();
   dangling.to = 499;
   const PoseGraph graph = odometry_graph(poses, std::vector{rejected, sample_loop(), dangling});
   ASSERT_EQ(graph.edges.size(), 2u);

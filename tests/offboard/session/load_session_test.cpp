@@ -55,7 +55,7 @@ TEST(LoadSession, GathersEveryMessage) {
   ASSERT_EQ(session.keyframes.size(), 1u);
   expect_equal(session.keyframes[0], sample_keyframe());
   ASSERT_EQ(session.loop_closures.size(), 1u);
-  expect_equal(session.loop_closures[0], sample_loop());
+  expect_equal(session.loop_closures[0], sample_loop(LoopVerdict::kWeak));
   expect_equal(session.last_status, sample_status());
   EXPECT_TRUE(session.integrity.is_sound());
   EXPECT_EQ(session.integrity.events, 9);

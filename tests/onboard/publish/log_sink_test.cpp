@@ -154,7 +154,10 @@ TEST(LogSink, AStuckDiskMakesTheCallerWait) {
   std::thread caller([&] {
     LogSink sink(pipe);
     Keyframe keyframe = sample_keyframe();
-    keyframe.thumbnail_jpeg.resize(size_t{1} << 20);  // more than a pipe holds
+    keyframe.descriptor_size = 4096;  // more than a pipe holds
+    keyframe.descriptors.resize(size_t{256} * 4096);
+    keyframe.u_px.resize(256), keyframe.v_px.resize(256), keyframe.p_camera.resize(256);
+    keyframe.scale_px.resize(256, 1.0f);
     for (int i = 0; i < kMessages; ++i) {
       sink.on_keyframe(keyframe);
       ++taken;

@@ -7,6 +7,7 @@
 
 #include "shared/core/check.h"
 #include "shared/wire/message_layout.h"
+#include "shared/wire/validity.h"
 #include "tests/shared/wire/sample_messages.h"
 
 namespace kt {
@@ -62,9 +63,15 @@ TEST(Codec, EmptyListsSurvive) {
   LoopClosure loop = sample_loop(), loop_out;
   loop.p_from.clear();
   loop.p_to.clear();
-  loop.reason.clear();
   ASSERT_EQ(decode(encode(loop, 0), loop_out), DecodeStatus::kOk);
   expect_equal(loop, loop_out);
+
+  Keyframe keyframe = sample_keyframe(), keyframe_out;
+  keyframe.u_px.clear(), keyframe.v_px.clear(), keyframe.scale_px.clear();
+  keyframe.p_camera.clear(), keyframe.descriptors.clear(), keyframe.thumbnail = {};
+  keyframe.depth = {};
+  ASSERT_EQ(decode(encode(keyframe, 0), keyframe_out), DecodeStatus::kOk);
+  expect_equal(keyframe, keyframe_out);
 
   CompressedFrame frame = sample_frame(), frame_out;
   frame.colour.clear();
@@ -115,8 +122,11 @@ TEST(Codec, RefusesEveryOtherLength) {
 TEST(Codec, HostileCountsTakeNoMemory) {
   // Offsets of every count and string length; a decoder that believed 0x7fffffff would ask for gigabytes.
   const std::vector<std::pair<Message, std::vector<size_t>>> cases = {
-      {sample_session(), {300}}, {sample_slice(), {145, 149}}, {sample_keyframe(), {136, 140, 144}},
-      {sample_loop(), {317}},    {sample_frame(), {44, 48}},
+      {sample_session(), {300}},
+      {sample_slice(), {145, 149}},
+      {sample_keyframe(), {140, 144, 148, 152, 156, 160}},
+      {sample_loop(), {336}},
+      {sample_frame(), {44, 48}},
   };
   for (const auto& [message, offsets] : cases) {
     const Bytes bytes = encode_any(message, 0);
@@ -178,6 +188,54 @@ TEST(Codec, RefusesForgedValues) {
   EXPECT_EQ(decode(forged(loop, 48, 10), loop_out), DecodeStatus::kOutOfRange);      // to = from
 }
 
+TEST(Codec, RefusesForgedLoops) {
+  const Bytes loop = encode(sample_loop(), 0);
+  LoopClosure out;
+  for (const size_t offset : {316, 320, 324, 328}) {  // similarity, reprojection, overlap, surface
+    EXPECT_EQ(decode(forged(loop, offset, 0x7fc00000), out), DecodeStatus::kNotFinite) << offset;
+    EXPECT_EQ(decode(forged(loop, offset, static_cast<int32_t>(0xbf800000)), out), DecodeStatus::kOutOfRange)
+        << offset << ": -1";
+  }
+  EXPECT_EQ(decode(forged(loop, 324, 0x3f800000), out), DecodeStatus::kOk);  // overlap 1
+  EXPECT_EQ(decode(forged(loop, 324, 0x3f800001), out), DecodeStatus::kOutOfRange);
+  EXPECT_EQ(decode(forged(loop, 332, -1), out), DecodeStatus::kOutOfRange);  // matches
+  for (const int verdict : {kLoopVerdicts, 127, 128, 255}) {
+    Bytes unknown = loop;
+    unknown[340] = static_cast<uint8_t>(verdict);
+    store_checksum(unknown);
+    EXPECT_EQ(decode(unknown, out), DecodeStatus::kOutOfRange) << verdict;
+  }
+}
+
+TEST(Codec, RefusesForgedKeyframes) {
+  const Bytes keyframe = encode(sample_keyframe(), 0);
+  Keyframe out;
+  EXPECT_EQ(decode(forged(keyframe, 132, -1), out), DecodeStatus::kOutOfRange);  // segment
+  const size_t scales = 164 + 4 * 4;
+  EXPECT_EQ(decode(forged(keyframe, scales, 0x7fc00000), out), DecodeStatus::kNotFinite);
+  EXPECT_EQ(decode(forged(keyframe, scales, 0), out), DecodeStatus::kOutOfRange);
+  for (const int32_t size : {-1, 0, 4, kMaxKeyframeDepthSize + 1}) {
+    EXPECT_EQ(decode(forged(keyframe, 148, size), out), DecodeStatus::kOutOfRange) << "width " << size;
+    EXPECT_EQ(decode(forged(keyframe, 152, size), out), DecodeStatus::kOutOfRange) << "height " << size;
+  }
+  // An image that is damaged, or none at all, although the checksum of the message holds.
+  const size_t image = 164 + 2 * 24 + 4, end = keyframe.size() - 3 - 4 - 4;
+  ASSERT_EQ(keyframe[image + 1], 'P');
+  for (size_t i = image; i < end; ++i) {
+    Bytes damaged = keyframe;
+    damaged[i] ^= 0x20;
+    store_checksum(damaged);
+    EXPECT_EQ(decode(damaged, out), DecodeStatus::kOutOfRange) << "byte " << i - image;
+  }
+}
+
+TEST(Codec, AVerdictTravelsInWordsToo) {
+  const auto text = [](const Bytes& bytes) { return std::string(bytes.begin(), bytes.end()); };
+  EXPECT_NE(text(encode(sample_loop(LoopVerdict::kLittleOverlap), 0)).find("little overlap"),
+            std::string::npos);
+  EXPECT_EQ(text(encode(sample_loop(), 0)).find("accepted"), std::string::npos);
+}
+
 TEST(Codec, EncodingWhatNobodyCouldDecodeIsABug) {
   StampedPose pose = sample_stamped_pose();
   pose.information(2, 2) = std::numeric_limits<double>::quiet_NaN();
@@ -188,6 +246,13 @@ TEST(Codec, EncodingWhatNobodyCouldDecodeIsABug) {
   Keyframe keyframe = sample_keyframe();
   keyframe.descriptors.pop_back();
   EXPECT_THROW(encode(keyframe, 0), LogicError);
+  keyframe = sample_keyframe();
+  keyframe.scale_px.pop_back();
+  EXPECT_THROW(encode(keyframe, 0), LogicError);
+  keyframe = sample_keyframe();
+  keyframe.depth = Image<uint16_t>(kMaxKeyframeDepthSize + 1, 1);
+  EXPECT_THROW(encode(keyframe, 0), LogicError);
+  EXPECT_THROW(encode(sample_loop(static_cast<LoopVerdict>(kLoopVerdicts)), 0), LogicError);
   SessionHeader session = sample_session();
   session.configuration_yaml += '\0';
   EXPECT_THROW(encode(session, 0), LogicError);

@@ -67,13 +67,40 @@ inline CloudSlice sample_slice() {
 }
 
 inline Keyframe sample_keyframe() {
-  return {12,     1305031103000000,       sample_pose(-1), "orb",    2, {1.5f, 2.25f},
-          {3, 4}, {{1, 2, 3}, {4, 5, 0}}, {9, 8, 7, 6},    {1, 2, 3}};
+  Keyframe keyframe;
+  keyframe.sequence = 12;
+  keyframe.timestamp_us = 1305031103000000;
+  keyframe.segment = 2;
+  keyframe.T_odom_camera = sample_pose(-1);
+  keyframe.descriptor_type = "orb";
+  keyframe.descriptor_size = 2;
+  keyframe.u_px = {1.5f, 2.25f};
+  keyframe.v_px = {3, 4};
+  keyframe.scale_px = {7.5f, 31};
+  keyframe.p_camera = {{1, 2, 3}, {4, 5, 0}};
+  keyframe.descriptors = {9, 8, 7, 6};
+  keyframe.depth = Image<uint16_t>(3, 2, {0, 1, 65535, 1000, 256, 4095});
+  keyframe.thumbnail = Image<Rgb8>(16, 8, {128, 128, 128});  // what JPEG keeps as it is
+  return keyframe;
 }
 
-inline LoopClosure sample_loop() {
-  return {2,    1305031103100000, 10,          500,        sample_pose(3), sample_information(),
-          true, "ratio test",     {{1, 2, 3}}, {{4, 5, 6}}};
+inline LoopClosure sample_loop(LoopVerdict verdict = LoopVerdict::kAccepted) {
+  LoopClosure loop;
+  loop.sequence = 2;
+  loop.timestamp_us = 1305031103100000;
+  loop.from = 10;
+  loop.to = 500;
+  loop.T_from_to = sample_pose(3);
+  loop.information = sample_information();
+  loop.verdict = verdict;
+  loop.similarity = 0.75f;
+  loop.matches = 81;
+  loop.reprojection_px = 1.25f;
+  loop.overlap = 0.5f;
+  loop.surface_rms_m = 0.003f;
+  loop.p_from = {{1, 2, 3}};
+  loop.p_to = {{4, 5, 6}};
+  return loop;
 }
 
 inline MissionStatus sample_status() {
@@ -109,8 +136,14 @@ inline MotionSample sample_motion() {
 
 /// One of each, in the order of kChannels.
 inline std::vector<Message> sample_messages() {
-  return {sample_session(), sample_stamped_pose(), sample_slice(), sample_keyframe(),
-          sample_loop(),    sample_status(),       sample_frame(), sample_motion()};
+  return {sample_session(),
+          sample_stamped_pose(),
+          sample_slice(),
+          sample_keyframe(),
+          sample_loop(LoopVerdict::kWeak),
+          sample_status(),
+          sample_frame(),
+          sample_motion()};
 }
 
 inline void expect_equal(const Vec3f& a, const Vec3f& b) {
@@ -170,13 +203,16 @@ inline void expect_equal(const Keyframe& a, const Keyframe& b) {
   EXPECT_EQ(a.sequence, b.sequence);
   EXPECT_EQ(a.timestamp_us, b.timestamp_us);
   EXPECT_EQ(a.T_odom_camera.matrix(), b.T_odom_camera.matrix());
+  EXPECT_EQ(a.segment, b.segment);
   EXPECT_EQ(a.descriptor_type, b.descriptor_type);
   EXPECT_EQ(a.descriptor_size, b.descriptor_size);
   EXPECT_EQ(a.u_px, b.u_px);
   EXPECT_EQ(a.v_px, b.v_px);
+  EXPECT_EQ(a.scale_px, b.scale_px);
   expect_equal(a.p_camera, b.p_camera);
   EXPECT_EQ(a.descriptors, b.descriptors);
-  EXPECT_EQ(a.thumbnail_jpeg, b.thumbnail_jpeg);
+  EXPECT_EQ(a.depth, b.depth);
+  EXPECT_EQ(a.thumbnail, b.thumbnail);
 }
 inline void expect_equal(const LoopClosure& a, const LoopClosure& b) {
   EXPECT_EQ(a.sequence, b.sequence);
@@ -185,8 +221,12 @@ inline void expect_equal(const LoopClosure& a, const LoopClosure& b) {
   EXPECT_EQ(a.to, b.to);
   EXPECT_EQ(a.T_from_to.matrix(), b.T_from_to.matrix());
   EXPECT_EQ(a.information, b.information);
-  EXPECT_EQ(a.accepted, b.accepted);
-  EXPECT_EQ(a.reason, b.reason);
+  EXPECT_EQ(a.verdict, b.verdict);
+  EXPECT_EQ(a.similarity, b.similarity);
+  EXPECT_EQ(a.matches, b.matches);
+  EXPECT_EQ(a.reprojection_px, b.reprojection_px);
+  EXPECT_EQ(a.overlap, b.overlap);
+  EXPECT_EQ(a.surface_rms_m, b.surface_rms_m);
   expect_equal(a.p_from, b.p_from);
   expect_equal(a.p_to, b.p_to);
 }
