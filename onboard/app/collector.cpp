@@ -18,7 +18,8 @@ Collector::Collector(const exec::Device& device, const Calibration& calibration,
     : sink_(sink),
       preprocessor_(device, calibration, config.preprocess),
       odometry_(device, calibration, config.tracking),
-      volume_(device, calibration.depth.pinhole(), config.volume) {}
+      volume_(device, calibration.depth.pinhole(), config.volume),
+      places_(calibration, config.loops) {}
 
 FrameReport Collector::process(const RgbdFrame& frame) {
   FrameReport report;
@@ -32,6 +33,7 @@ FrameReport Collector::process(const RgbdFrame& frame) {
         clock_.measure("track", [&] { return odometry_.track(maps, model_, predict, frame.sequence); });
     report.track = odometry_.last_result();
     publish_pose(report.pose);
+    publish_places(clock_.measure("places", [&] { return places_.next(maps, frame.colour, report.pose); }));
     if (report.pose.status != TrackingStatus::kGood) return;  // doubtful frames are never fused
 
     if (report.pose.segment != segment_) enter_segment(report.pose);
@@ -82,6 +84,13 @@ void Collector::publish_pose(const StampedPose& pose) {
   if (changed || status_.frames % kFramesPerStatus == 0) publish_status();
 }
 
+void Collector::publish_places(std::vector<PlaceRecogniser::Findings> findings) {
+  for (auto& [keyframe, candidates] : findings) {
+    sink_.on_keyframe(std::move(keyframe));
+    for (LoopClosure& loop : candidates) sink_.on_loop_closure(std::move(loop));
+  }
+}
+
 void Collector::publish_slice(CloudSlice slice, int64_t timestamp_us) {
   slice.sequence = status_.slices++;
   slice.timestamp_us = timestamp_us;
@@ -99,6 +108,7 @@ void Collector::publish_status() {
 }
 
 void Collector::finish() {
+  publish_places(places_.finish());
   CloudSlice slice = flush_volume();
   slice.is_final = true;
   publish_slice(std::move(slice), status_.timestamp_us);

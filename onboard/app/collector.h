@@ -48,6 +48,7 @@ class Collector {
   void enter_segment(const StampedPose& pose);
   CloudSlice flush_volume();
   void publish_pose(const StampedPose& pose);
+  void publish_places(std::vector<PlaceRecogniser::Findings> findings);
   void publish_slice(CloudSlice slice, int64_t timestamp_us);
   void publish_status();
 
@@ -55,6 +56,7 @@ class Collector {
   Preprocessor preprocessor_;
   Odometry odometry_;
   TsdfVolume volume_;
+  PlaceRecogniser places_;
   const ModelView* model_ = nullptr;      // null before the first fused frame of a segment
   int segment_ = 0;                       // of what the volume holds
   Pose T_odom_fused_ = Pose::Identity();  // of the last fused frame

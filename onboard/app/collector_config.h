@@ -3,6 +3,7 @@
 #pragma once
 
 #include "onboard/fusion/tsdf_volume.h"
+#include "onboard/loops/place_recogniser.h"
 #include "onboard/preprocess/preprocessor.h"
 #include "onboard/tracking/tracker.h"
 
@@ -12,6 +13,7 @@ struct CollectorConfig {
   PreprocessConfig preprocess;
   TrackingConfig tracking;
   VolumeConfig volume;
+  LoopConfig loops;
 };
 
 }  // namespace kt

@@ -29,11 +29,6 @@ std::vector<int32_t> undistortion_table(const Camera& camera) {
   return table;
 }
 
-// |dz| / z per pixel of a surface seen at `angle`: a steeper change is a jump to another surface.
-float max_slope(const PinholeParams& camera, double angle_deg) {
-  return static_cast<float>(std::tan(angle_deg * std::numbers::pi / 180) / camera.fx);
-}
-
 bool shares_viewpoint(const Calibration& calibration) {
   return calibration.T_colour_depth.matrix() == Pose::Identity().matrix();
 }
@@ -61,7 +56,7 @@ Preprocessor::Preprocessor(const exec::Device& device, const Calibration& calibr
   for (SurfaceLevel& level : maps_.levels) {
     level.camera = camera;
     level.normal_step = normal_step--;
-    level.max_slope = max_slope(camera, config_.max_view_angle_deg);
+    level.max_slope = max_slope_of(camera, config_.max_view_angle_deg);
     level.depth = {device, DepthView::padded_size(camera.width, camera.height)};
     level.normals = {device, camera.pixel_count()};
     camera = camera.half();
@@ -147,7 +142,7 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
       device_, camera_.width, camera_.height,
       MakeFusionPixel{measured, camera_, full.normals.data(),
                       static_cast<float>(std::cos(config_.max_view_angle_deg * std::numbers::pi / 180)),
-                      max_slope(camera_, config_.max_view_angle_deg), maps_.fusion_pixels.data()});
+                      max_slope_of(camera_, config_.max_view_angle_deg), maps_.fusion_pixels.data()});
   return maps_;
 }
 

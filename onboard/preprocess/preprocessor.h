@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <numbers>
 
 #include "onboard/preprocess/depth_map.h"
 #include "onboard/preprocess/intensity_pyramid.h"
@@ -14,6 +16,11 @@
 namespace kt {
 
 inline constexpr int kPyramidLevels = 3;
+
+/// |dz| / z per pixel of a surface seen at `angle`: a steeper change is a jump to another surface.
+inline float max_slope_of(const PinholeParams& camera, double angle_deg) {
+  return static_cast<float>(std::tan(angle_deg * std::numbers::pi / 180) / static_cast<double>(camera.fx));
+}
 
 struct PreprocessConfig {
   double depth_min_m = 0.3;           ///< nearer measurements are dropped

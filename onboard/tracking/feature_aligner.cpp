@@ -10,6 +10,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace kt {
 namespace {
@@ -114,8 +115,8 @@ class ConsistencyGraph {
   std::vector<Words> rows_;
 };
 
-// The rigid motion that brings the points of b nearest to those of a, each pair by its certainty (Umeyama
-// 1991 without scale).
+}  // namespace
+
 Pose absolute_orientation(std::span<const Feature> a, std::span<const Feature> b,
                           std::span<const FeatureMatch> matches, const FeatureCamera& camera) {
   Eigen::Vector3d mean_a = Eigen::Vector3d::Zero(), mean_b = Eigen::Vector3d::Zero();
@@ -145,6 +146,8 @@ Pose absolute_orientation(std::span<const Feature> a, std::span<const Feature> b
   return orthonormalised(T);
 }
 
+namespace {
+
 struct Projection {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> by_point;  // by the point in the depth camera
@@ -168,16 +171,25 @@ Eigen::Matrix<double, 3, 6> by_left_perturbation(const Eigen::Vector3d& p) {
   return J;
 }
 
-struct Normal {
-  Matrix6d A = Matrix6d::Zero();
-  Vector6d b = Vector6d::Zero();
-  double squares = 0, reprojection_squares = 0;
-};
+}  // namespace
 
-Normal normal_equations(std::span<const Feature> a, std::span<const Feature> b,
-                        std::span<const FeatureMatch> matches, const Pose& T_a_b,
-                        const FeatureCamera& camera) {
-  Normal sums;
+bool is_explained(const Feature& a, const Feature& b, const Pose& T_a_b, const FeatureCamera& camera) {
+  const Eigen::Vector3d p_camera = T_a_b * b.p_camera, p = camera.T_colour_depth * p_camera;
+  if (p.z() <= 0.05) return false;
+  const double gate_px = kGateSigmas * std::hypot(pixel_sigma(a), pixel_sigma(b)),
+               gate_m = kGateSigmas * std::hypot(depth_sigma(a), depth_sigma(b));
+  const double u = static_cast<double>(camera.camera.fx) * p.x() / p.z() +
+                   static_cast<double>(camera.camera.cx),
+               v = static_cast<double>(camera.camera.fy) * p.y() / p.z() +
+                   static_cast<double>(camera.camera.cy);
+  return std::abs(u - a.pixel.x()) < gate_px && std::abs(v - a.pixel.y()) < gate_px &&
+         std::abs(p_camera.z() - a.p_camera.z()) < gate_m;
+}
+
+FeatureEquations feature_equations(std::span<const Feature> a, std::span<const Feature> b,
+                                   std::span<const FeatureMatch> matches, const Pose& T_a_b,
+                                   const FeatureCamera& camera) {
+  FeatureEquations sums;
   for (const FeatureMatch& match : matches) {
     const FeatureResidual residual =
         feature_residual(a[static_cast<size_t>(match.a)], b[static_cast<size_t>(match.b)], T_a_b, camera);
@@ -191,6 +203,8 @@ Normal normal_equations(std::span<const Feature> a, std::span<const Feature> b,
   }
   return sums;
 }
+
+namespace {
 
 std::vector<FeatureMatch> inliers_of(std::span<const Feature> a, std::span<const Feature> b,
                                      std::span<const FeatureMatch> matches, const Pose& T_a_b,
@@ -303,11 +317,22 @@ FeatureAlignment align_features(std::span<const Feature> a, std::span<const Feat
   result.status = FeatureStatus::kTooFewInliers;
   result.inliers = static_cast<int>(inliers.size());
   if (inliers.size() < std::max<size_t>(3, enough / 2)) return result;
-  Pose T_a_b = absolute_orientation(a, b, inliers, camera);
-  Normal sums;
+  const Pose T_a_b = absolute_orientation(a, b, inliers, camera);
+  return refine_alignment(a, b, matches, T_a_b, std::move(inliers), camera, min_inliers);
+}
+
+FeatureAlignment refine_alignment(std::span<const Feature> a, std::span<const Feature> b,
+                                  std::span<const FeatureMatch> matches, const Pose& T_a_b_guess,
+                                  std::vector<FeatureMatch> inliers, const FeatureCamera& camera,
+                                  int min_inliers) {
+  FeatureAlignment result;
+  result.status = FeatureStatus::kTooFewInliers;
+  result.matches = static_cast<int>(matches.size());
+  Pose T_a_b = T_a_b_guess;
+  FeatureEquations sums;
   for (int round = 0; round <= kRounds; ++round) {
     for (int iteration = 0; iteration < kIterations; ++iteration) {
-      sums = normal_equations(a, b, inliers, T_a_b, camera);
+      sums = feature_equations(a, b, inliers, T_a_b, camera);
       const Matrix6d damped = sums.A + 1e-6 * Matrix6d::Identity();
       const Vector6d step = -damped.ldlt().solve(sums.b);
       if (!step.allFinite() || step.norm() > 1) break;
@@ -316,7 +341,7 @@ FeatureAlignment align_features(std::span<const Feature> a, std::span<const Feat
     }
     if (round < kRounds) inliers = inliers_of(a, b, matches, T_a_b, camera);
     result.inliers = static_cast<int>(inliers.size());
-    if (inliers.size() < enough) return result;
+    if (static_cast<int>(inliers.size()) < min_inliers) return result;
   }
   result.T_a_b = T_a_b;
   const double count = static_cast<double>(inliers.size());
@@ -328,6 +353,7 @@ FeatureAlignment align_features(std::span<const Feature> a, std::span<const Feat
   result.status = FeatureStatus::kReprojectionError;
   if (result.rms_px > kPixelSigma * kMaxRms) return result;
   result.status = FeatureStatus::kOk;
+  result.inlier_matches = std::move(inliers);
   return result;
 }
 

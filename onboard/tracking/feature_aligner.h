@@ -35,6 +35,7 @@ struct FeatureAlignment {
   Pose T_a_b = Pose::Identity();            ///< of kOk, between the depth cameras
   Matrix6d information = Matrix6d::Zero();  ///< of the left perturbation of T_a_b
   int matches = 0, inliers = 0;
+  std::vector<FeatureMatch> inlier_matches;  ///< of kOk
   double rms_px = 0;  ///< of the inliers' reprojections, in pixels of the level each was found at
 };
 
@@ -53,6 +54,31 @@ struct FeatureResidual {
 };
 FeatureResidual feature_residual(const Feature& a, const Feature& b, const Pose& T_a_b,
                                  const FeatureCamera& camera);
+
+/// The rigid motion T_a_b that brings the points of b nearest to those of a, each pair by its certainty
+/// (Umeyama 1991 without scale). Needs three matches that lie on no line.
+Pose absolute_orientation(std::span<const Feature> a, std::span<const Feature> b,
+                          std::span<const FeatureMatch> matches, const FeatureCamera& camera);
+
+/// Whether b's point, moved into a, falls on a's pixel and lies at its depth, but for noise.
+bool is_explained(const Feature& a, const Feature& b, const Pose& T_a_b, const FeatureCamera& camera);
+
+/// Sums of the residuals of matches, robustly weighted.
+struct FeatureEquations {
+  Matrix6d A = Matrix6d::Zero();
+  Vector6d b = Vector6d::Zero();
+  double squares = 0, reprojection_squares = 0;
+};
+FeatureEquations feature_equations(std::span<const Feature> a, std::span<const Feature> b,
+                                   std::span<const FeatureMatch> matches, const Pose& T_a_b,
+                                   const FeatureCamera& camera);
+
+/// Refines a motion that explains `inliers`, some of `matches`, by damped Gauss-Newton on reprojections both
+/// ways and depth; which matches are inliers is decided anew on the way.
+FeatureAlignment refine_alignment(std::span<const Feature> a, std::span<const Feature> b,
+                                  std::span<const FeatureMatch> matches, const Pose& T_a_b_guess,
+                                  std::vector<FeatureMatch> inliers, const FeatureCamera& camera,
+                                  int min_inliers);
 
 /// Matches `a` with `b`, keeps a largest set of matches whose distances between points agree (a clique, found
 /// greedily; the tolerance grows with the noise of depth, z^2), and refines the motion on reprojections both

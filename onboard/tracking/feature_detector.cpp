@@ -10,13 +10,7 @@
 #include "shared/exec/for_each.h"
 
 namespace kt {
-namespace {
 
-// Noise of the image alone stays below it.
-constexpr float kMinScore = 2.0f;
-
-// Pairs of points around the corner, nearer ones more often (as BRIEF, Calonder et al. 2010), within the
-// reach of the kernel however they are turned.
 std::vector<DescriptorPair> descriptor_pairs() {
   constexpr uint64_t kSeed = 20110;
   constexpr double kSigma_px = 5, kLargest_px = DetectFeature::kReach - 2;
@@ -38,6 +32,8 @@ std::vector<DescriptorPair> descriptor_pairs() {
   }
   return pairs;
 }
+
+namespace {
 
 // Pixels: so that larger images have no more features than 640 x 480, which is what the budget of a frame
 // allows.
@@ -86,11 +82,16 @@ std::vector<Feature> FeatureDetector::detect(const FrameMaps& maps) {
     exec::for_each_pixel(device_, camera.width, camera.height,
                          SmoothIntensity{intensity.view(), smoothed_.data()});
     exec::for_each_pixel(device_, camera.width, camera.height, ScoreCorner{smoothed, scores_.data()});
-    exec::for_each(
-        device_, cells,
-        DetectFeature{cell_side_, smoothed, scores_.data(), kMinScore, camera, surface.depth_view(),
-                      surface.camera, to_rigid3f(T_colour_depth_), to_rigid3f(T_colour_depth_.inverse()),
-                      pairs_.data(), detected_.data() + levels.size()});
+    exec::for_each(device_, cells,
+                   DetectFeature{cell_side_,
+                                 smoothed,
+                                 scores_.data(),
+                                 kLeastCornerScore,
+                                 {camera, surface.depth_view(), surface.camera, to_rigid3f(T_colour_depth_),
+                                  to_rigid3f(T_colour_depth_.inverse())},
+                                 1,
+                                 pairs_.data(),
+                                 detected_.data() + levels.size()});
     levels.insert(levels.end(), static_cast<size_t>(cells), level);
   }
   std::vector<Feature> features;

@@ -20,6 +20,13 @@ struct Feature {
 /// Bits in which two descriptors differ, of 256.
 int descriptor_distance(const Feature& a, const Feature& b);
 
+/// Corners that score less are noise of the image (square grey levels).
+inline constexpr float kLeastCornerScore = 2.0f;
+
+/// Pairs of points around a corner, nearer ones more often (as BRIEF, Calonder et al. 2010), within the reach
+/// of DetectFeature however they are turned; one per bit of a descriptor.
+std::vector<DescriptorPair> descriptor_pairs();
+
 class FeatureDetector {
  public:
   FeatureDetector(const exec::Device& device, const Calibration& calibration);

@@ -83,40 +83,16 @@ struct DetectedFeature {
   int32_t is_found = 0;  // 0: the rest means nothing
 };
 
-/// The best corner of one cell of the image that has a depth, if there is one: so features spread over the
-/// image, and need no sorting.
-struct DetectFeature {
-  static constexpr int kSmallestCellSide = 8;
-  static constexpr int kReach = 13;  // pixels from the corner that the descriptor may look at
-
-  int32_t cell_side;     // pixels
-  IntensityView image;   // smoothed
-  const float* scores;   // of the same size
-  float min_score;       // square grey levels per square pixel
-  PinholeParams camera;  // colour, of the same level
-  DepthView depth;       // of some level
+/// Finds the point of the surface behind a pixel of the colour camera.
+struct SurfaceBehind {
+  PinholeParams camera;  // colour, of any level
+  DepthView depth;       // of any level; null: no point is found
   PinholeParams depth_camera;
   Rigid3f T_colour_depth, T_depth_colour;
-  const DescriptorPair* pairs;  // one per bit
-  DetectedFeature* features;    // out, by cell
-
-  KT_HOST_DEVICE int cells_across(int pixels) const { return pixels / cell_side; }
-
-  KT_HOST_DEVICE void operator()(int64_t cell) const {
-    DetectedFeature feature;
-    int u = 0, v = 0;
-    if (find_corner(cell, &u, &v)) {
-      feature.u = static_cast<float>(u) + peak_offset(score(u - 1, v), score(u, v), score(u + 1, v));
-      feature.v = static_cast<float>(v) + peak_offset(score(u, v - 1), score(u, v), score(u, v + 1));
-      if (find_point(feature.u, feature.v, &feature.p_camera) && describe(u, v, &feature.descriptor))
-        feature.is_found = 1;
-    }
-    features[cell] = feature;
-  }
 
   /// The point of the surface that a pixel of the colour camera shows: the ray of the pixel is followed
   /// through the depth image until both agree. False at holes, and beside edges of depth, where nobody knows.
-  KT_HOST_DEVICE bool find_point(float u, float v, Vec3f* p_camera) const {
+  KT_HOST_DEVICE bool find(float u, float v, Vec3f* p_camera) const {
     constexpr int kRounds = 5;
     constexpr float kAgreement_px = 1.0f;
     const Vec3f ray = camera.unproject(u, v, 1.0f);
@@ -141,6 +117,51 @@ struct DetectFeature {
   }
 
  private:
+  KT_HOST_DEVICE bool is_beside_edge(int u, int v, float z) const {
+    const float limit = 0.04f * z;
+    for (int dv = -1; dv <= 1; ++dv) {
+      for (int du = -1; du <= 1; ++du) {
+        const float other = depth.at(u + du, v + dv);
+        if (other <= 0.0f || fabsf(other - z) > limit) return true;
+      }
+    }
+    return false;
+  }
+};
+
+/// The best corner of one cell of the image that has a depth, if there is one: so features spread over the
+/// image, and need no sorting.
+struct DetectFeature {
+  static constexpr int kSmallestCellSide = 8;
+  static constexpr int kReach = 13;  // pixels from the corner that the descriptor may look at
+
+  int32_t cell_side;    // pixels
+  IntensityView image;  // smoothed
+  const float* scores;  // of the same size
+  float min_score;      // square grey levels per square pixel
+  SurfaceBehind surface;
+  int32_t needs_point;          // 0: corners without depth will do
+  const DescriptorPair* pairs;  // one per bit
+  DetectedFeature* features;    // out, by cell
+
+  KT_HOST_DEVICE int cells_across(int pixels) const { return pixels / cell_side; }
+
+  KT_HOST_DEVICE void operator()(int64_t cell) const {
+    DetectedFeature feature;
+    int u = 0, v = 0;
+    if (find_corner(cell, &u, &v)) {
+      feature.u = static_cast<float>(u) + peak_offset(score(u - 1, v), score(u, v), score(u + 1, v));
+      feature.v = static_cast<float>(v) + peak_offset(score(u, v - 1), score(u, v), score(u, v + 1));
+      if (has_point(feature.u, feature.v, &feature.p_camera) && describe(u, v, &feature.descriptor))
+        feature.is_found = 1;
+    }
+    features[cell] = feature;
+  }
+
+ private:
+  KT_HOST_DEVICE bool has_point(float u, float v, Vec3f* p_camera) const {
+    return !needs_point || surface.find(u, v, p_camera);
+  }
   KT_HOST_DEVICE float score(int u, int v) const { return scores[int64_t{v} * image.width + u]; }
 
   KT_HOST_DEVICE bool find_corner(int64_t cell, int* best_u, int* best_v) const {
@@ -154,7 +175,7 @@ struct DetectFeature {
         if (u <= kReach || v <= kReach || u >= image.width - kReach || v >= image.height - kReach) continue;
         Vec3f p_camera;
         if (score(u, v) <= best || !is_peak(u, v) ||
-            !find_point(static_cast<float>(u), static_cast<float>(v), &p_camera))
+            !has_point(static_cast<float>(u), static_cast<float>(v), &p_camera))
           continue;
         best = score(u, v);
         *best_u = u;
@@ -179,17 +200,6 @@ struct DetectFeature {
   KT_HOST_DEVICE static float peak_offset(float before, float here, float after) {
     const float curvature = before - 2.0f * here + after;
     return curvature < 0.0f ? max_of(-0.5f, min_of(0.5f, 0.5f * (before - after) / curvature)) : 0.0f;
-  }
-
-  KT_HOST_DEVICE bool is_beside_edge(int u, int v, float z) const {
-    const float limit = 0.04f * z;
-    for (int dv = -1; dv <= 1; ++dv) {
-      for (int du = -1; du <= 1; ++du) {
-        const float other = depth.at(u + du, v + dv);
-        if (other <= 0.0f || fabsf(other - z) > limit) return true;
-      }
-    }
-    return false;
   }
 
   // The direction of a corner is that of its intensity centroid (Rosin 1999) over a disc.

@@ -4,8 +4,12 @@
 
 #include <cstdlib>
 #include <cxxabi.h>
+#include <fstream>
+#include <iterator>
 #include <memory>
+#include <regex>
 
+#include "shared/core/check.h"
 #include "shared/exec/launch_observer.h"
 
 namespace kt::test {
@@ -45,6 +49,17 @@ std::set<std::string> kernels_of(const ParityRun& run) {
   const auto observer = std::make_shared<KernelNames>();
   run(exec::Device::cpu(1).observed_by(observer), kNoMark);
   return observer->names;
+}
+
+std::set<std::string> kernels_listed_in(const std::filesystem::path& cu_file) {
+  const std::regex instance(R"(KT_INSTANTIATE_\w+\(([^()]+)\))");
+  std::ifstream file(cu_file);
+  if (!file) throw Error("no file " + cu_file.string());
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::set<std::string> kernels;
+  for (std::sregex_iterator i(text.begin(), text.end(), instance), end; i != end; ++i)
+    kernels.insert((*i)[1]);
+  return kernels;
 }
 
 std::string readable_name(const char* mangled) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <set>
 #include <string>
@@ -31,6 +32,9 @@ std::string first_difference(const exec::Device& reference, const exec::Device& 
 /// What a run launches on one CPU thread, over at least one element: functors as in "kt::FuseColumns", and
 /// the others of LaunchObserver.
 std::set<std::string> kernels_of(const ParityRun& run);
+
+/// The functors that a .cu file lists.
+std::set<std::string> kernels_listed_in(const std::filesystem::path& cu_file);
 
 /// A type's name as in the source.
 std::string readable_name(const char* mangled);

@@ -38,7 +38,8 @@ TEST(Mission, BeginsWithTheSessionAndEndsWithTheFinalSlice) {
   MissionOptions options = small_mission();
   options.device = exec::Device::cpu(2);
   const MissionSummary summary = run_mission(source, sink, options);
-  EXPECT_THAT(sink.calls, ElementsAre("session", "pose", "pose", "pose", "slice", "status", "close"));
+  EXPECT_THAT(sink.calls,
+              ElementsAre("session", "pose", "pose", "pose", "keyframe", "slice", "status", "close"));
   EXPECT_TRUE(sink.slices.back().is_final);
   EXPECT_EQ(summary.status.frames, 3);
   EXPECT_FALSE(summary.interrupted);
@@ -117,7 +118,7 @@ TEST(Mission, RecordsMotionSamplesInTheirPlacesAndCountsThem) {
   EXPECT_THAT(sink.calls,
               ElementsAre("session", "motion_sample", "motion_sample", "pose", "raw_frame", "motion_sample",
                           "motion_sample", "pose", "raw_frame", "motion_sample", "motion_sample", "pose",
-                          "raw_frame", "motion_sample", "slice", "status", "close"));
+                          "raw_frame", "motion_sample", "keyframe", "slice", "status", "close"));
   for (size_t i = 0; i < sink.motion_samples.size(); ++i)
     EXPECT_EQ(sink.motion_samples[i].sequence, static_cast<int64_t>(i));
   EXPECT_EQ(sink.motion_samples.back().timestamp_us, 10'000'000);
@@ -219,7 +220,8 @@ TEST(Mission, PassesOnWhatTheSourceThrewAfterTheFinalSlice) {
   ListSource source(room_items(3), "the camera was unplugged"), ends(room_items(3));
   RecordingSink sink, whole;
   EXPECT_EQ(error_of(source, sink), "the camera was unplugged");
-  EXPECT_THAT(sink.calls, ElementsAre("session", "pose", "pose", "pose", "slice", "status", "close"));
+  EXPECT_THAT(sink.calls,
+              ElementsAre("session", "pose", "pose", "pose", "keyframe", "slice", "status", "close"));
   EXPECT_TRUE(sink.slices.back().is_final);
   EXPECT_GT(sink.slices.back().triangles.size(), 0u);
   run_mission(ends, whole, small_mission());
