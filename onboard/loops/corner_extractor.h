@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+
 #include "onboard/loops/feature_extractor.h"
-#include "onboard/tracking/feature_detector.h"
+#include "onboard/tracking/corner_detector.h"
 
 namespace kt {
 
@@ -21,10 +23,8 @@ class CornerExtractor final : public FeatureExtractor {
   static constexpr int kLevels = 3;
   exec::Device device_;
   DescriptorKind kind_{"orb256", 32, DescriptorMetric::kHamming};
-  std::array<exec::Buffer<float>, kLevels> levels_;  // the first stays empty: it is the image
-  exec::Buffer<float> smoothed_, scores_;
-  exec::Buffer<DescriptorPair> pairs_;
-  exec::Buffer<DetectedFeature> detected_;
+  std::array<exec::Buffer<float>, kLevels - 1> halved_;  // the image's coarser levels
+  CornerDetector corners_;
 };
 
 }  // namespace kt

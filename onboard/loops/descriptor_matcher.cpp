@@ -3,32 +3,11 @@
 #include "onboard/loops/descriptor_matcher.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "onboard/loops/descriptor_distance.h"
+#include "onboard/tracking/nearest_two.h"
 
 namespace kt {
-namespace {
-
-struct Nearest {
-  static constexpr int32_t kNone = std::numeric_limits<int32_t>::max();
-  int32_t distance = kNone, second = kNone;
-  int index = -1;
-  void see(int other, int32_t other_distance) {
-    if (other_distance < distance) {
-      second = distance;
-      distance = other_distance;
-      index = other;
-    } else if (other_distance < second) {
-      second = other_distance;
-    }
-  }
-  bool is_clear(double ratio) const {
-    return index >= 0 && (second == kNone || distance < ratio * static_cast<double>(second));
-  }
-};
-
-}  // namespace
 
 IndexedDescriptors::IndexedDescriptors(std::span<const uint8_t> all, std::span<const int32_t> nodes)
     : descriptors(all) {
@@ -41,7 +20,7 @@ IndexedDescriptors::IndexedDescriptors(std::span<const uint8_t> all, std::span<c
 std::vector<FeatureMatch> match_descriptors(const DescriptorKind& kind, const IndexedDescriptors& a,
                                             const IndexedDescriptors& b, double max_ratio) {
   const double ratio = distance_ratio(kind, max_ratio);
-  std::vector<Nearest> nearest_a(a.entries.size()), nearest_b(b.entries.size());
+  std::vector<NearestTwo> nearest_a(a.entries.size()), nearest_b(b.entries.size());
   const auto end_of_node = [](const auto& entries, size_t begin) {
     size_t end = begin;
     while (end < entries.size() && entries[end].node == entries[begin].node) ++end;
@@ -70,7 +49,7 @@ std::vector<FeatureMatch> match_descriptors(const DescriptorKind& kind, const In
   }
   std::vector<FeatureMatch> matches;
   for (size_t i = 0; i < nearest_a.size(); ++i) {
-    const Nearest& best = nearest_a[i];
+    const NearestTwo& best = nearest_a[i];
     if (!best.is_clear(ratio)) continue;
     const auto j = static_cast<size_t>(best.index);
     if (nearest_b[j].index != static_cast<int>(i)) continue;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/loops/loop_verifier.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,9 +24,6 @@ constexpr double kLeastKeptInliers = 0.6;
 
 // Normals of a distant surface are noisy: of two views of one place every fifth differs.
 constexpr double kMostTurned = 0.4;
-
-// Inliers lie on few surfaces and share the errors of both frames.
-constexpr double kFeatureCorrelation = 4;
 
 // Size of the structure, in pixels of the intensity image, that a corner of level 0 has.
 constexpr double kFinestScale_px = 1.5;
@@ -93,14 +89,6 @@ Consensus find_consensus(std::span<const Feature> from, std::span<const Feature>
   return best;
 }
 
-bool is_constrained(const Matrix6d& information) {
-  const Eigen::LLT<Matrix6d> llt(information);
-  if (llt.info() != Eigen::Success) return false;
-  const Vector6d variances = llt.solve(Matrix6d::Identity()).diagonal();
-  return variances.allFinite() && variances.head<3>().maxCoeff() < kMaxRotationSigma * kMaxRotationSigma &&
-         variances.tail<3>().maxCoeff() < kMaxTranslationSigma * kMaxTranslationSigma;
-}
-
 }  // namespace
 
 LoopVerifier::LoopVerifier(const Calibration& calibration, const DescriptorKind& kind,
@@ -153,10 +141,9 @@ LoopClosure LoopVerifier::verify(const Place& place_from, const Place& place_to)
   const auto feature_terms = [&](const Pose& T, Matrix6d* A, Vector6d* b) {
     const FeatureEquations sums =
         feature_equations(features_from, features_to, refined.inlier_matches, T, camera_);
-    const double chi_square =
-        std::max(1.0, sums.squares / (5 * static_cast<double>(refined.inlier_matches.size())));
-    *A += sums.A / (kFeatureCorrelation * chi_square);
-    *b += sums.b / (kFeatureCorrelation * chi_square);
+    const double trust = sums.trust(refined.inlier_matches.size());
+    *A += trust * sums.A;
+    *b += trust * sums.b;
   };
   const SurfaceAlignment aligned = surfaces_.align(surface_from, surface_to, refined.T_a_b, feature_terms);
   loop.T_from_to = aligned.T_from_to;
@@ -182,7 +169,8 @@ LoopClosure LoopVerifier::verify(const Place& place_from, const Place& place_to)
       std::max(there.turned_share(), back.turned_share()) > kMostTurned ||
       kept < kLeastKeptInliers * static_cast<double>(refined.inlier_matches.size()))
     return reject(LoopVerdict::kSurfaceMismatch);
-  if (!is_constrained(loop.information)) return reject(LoopVerdict::kUnconstrained);
+  if (!is_constrained(loop.information, kMaxRotationSigma, kMaxTranslationSigma))
+    return reject(LoopVerdict::kUnconstrained);
   loop.verdict = LoopVerdict::kAccepted;
   return loop;
 }

@@ -13,7 +13,7 @@
 namespace kt {
 namespace {
 
-constexpr int64_t kFramesToResult = 15;  // half a second: a keyframe takes a tenth of it
+constexpr int64_t kFramesToResult = 15;  // half a second: a keyframe takes a part of it
 
 // The newest keyframes show what the odometry has just measured.
 constexpr int kNewest = 5;
@@ -31,7 +31,11 @@ constexpr int kEnough = 2;
 constexpr double kUnsaid_m = 0.15, kUnsaidPerWay = 0.02, kUnsaid_rad = 0.1, kUnsaidPerWay_rad_per_m = 0.01;
 constexpr double kSaidSigmas = 5;
 
-double movement(const Pose& T) { return T.translation().norm() + rotation_angle(T); }
+// Standard deviation in the direction where it is largest.
+double largest_sigma(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues().maxCoeff()));
+}
 
 }  // namespace
 
@@ -109,7 +113,7 @@ void PlaceRecogniser::work() {
       changed_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
       if (stopping_) return;
       Job job = std::move(jobs_.front());
-      const int64_t due_frame = jobs_.front().due_frame = job.due_frame;
+      const int64_t due_frame = job.due_frame;
       lock.unlock();
       Findings findings = study(std::move(job));
       lock.lock();
@@ -184,35 +188,11 @@ bool PlaceRecogniser::is_excluded_by_odometry(const Known& from, const Known& to
   const Matrix6d Ad = adjoint(a.T_odom_camera.inverse());
   const Matrix6d covariance = Ad * (to.covariance - from.covariance) * Ad.transpose();
   const double way_m = to.way_m - from.way_m;
-  const double said_rad =
-                   std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().eigenvalues().real().maxCoeff())),
-               said_m = std::sqrt(
-                   std::max(0.0, covariance.bottomRightCorner<3, 3>().eigenvalues().real().maxCoeff()));
+  const double said_rad = largest_sigma(covariance.topLeftCorner<3, 3>()),
+               said_m = largest_sigma(covariance.bottomRightCorner<3, 3>());
   return difference.head<3>().norm() >
              kSaidSigmas * said_rad + kUnsaid_rad + kUnsaidPerWay_rad_per_m * way_m ||
          difference.tail<3>().norm() > kSaidSigmas * said_m + kUnsaid_m + kUnsaidPerWay * way_m;
-}
-
-std::optional<PlaceRecogniser::Place> PlaceRecogniser::find(const FrameMaps& maps) {
-  if (!maps.has_colour) return std::nullopt;
-  {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return failure_ || jobs_.empty(); });
-    if (failure_) std::rethrow_exception(failure_);
-  }
-  if (known_.empty()) return std::nullopt;
-  StampedPose nowhere;
-  nowhere.sequence = known_.back().place.keyframe.sequence + 1;
-  const Known known = known_as(maker_.make(KeyframeMaker::images_of(maps, {}, nowhere)));
-  std::optional<Place> best;
-  for (const auto& [keyframe, similarity] :
-       index_.search(known.bag, static_cast<int>(known_.size()), 0.0f, config_.candidates)) {
-    const kt::Place& from = known_[static_cast<size_t>(keyframe)].place;
-    LoopClosure loop = verifier_.verify(from, known.place);
-    if (!loop.accepted() || (best && loop.p_from.size() <= best->proof.p_from.size())) continue;
-    best = Place{from.keyframe.segment, from.keyframe.T_odom_camera * loop.T_from_to, std::move(loop)};
-  }
-  return best;
 }
 
 }  // namespace kt

@@ -5,7 +5,6 @@
 #include <condition_variable>
 #include <deque>
 #include <exception>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -48,15 +47,6 @@ class PlaceRecogniser {
   /// What is left; waits for it.
   std::vector<Findings> finish();
 
-  /// Where a camera was that sees this frame.
-  struct Place {
-    int segment = 0;
-    Pose T_odom_camera = Pose::Identity();
-    LoopClosure proof;
-  };
-  /// Among all keyframes so far; waits for the thread.
-  std::optional<Place> find(const FrameMaps& maps);
-
  private:
   /// A keyframe in the making, and what odometry knew of it.
   struct Job {
@@ -66,7 +56,7 @@ class PlaceRecogniser {
     Matrix6d covariance = Matrix6d::Zero();  // of the pose in the segment, in the odom frame
   };
   struct Known {
-    kt::Place place;
+    Place place;
     BagOfWords bag;
     double way_m = 0;
     Matrix6d covariance = Matrix6d::Zero();
@@ -91,7 +81,7 @@ class PlaceRecogniser {
   double way_m_ = 0;
   Matrix6d covariance_ = Matrix6d::Zero();
 
-  // Of the thread, and of the caller while it waits.
+  // Of the thread.
   KeyframeIndex index_;
   std::vector<Known> known_;
   int64_t candidates_ = 0;

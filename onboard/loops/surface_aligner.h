@@ -14,8 +14,7 @@
 namespace kt {
 
 /// The measured surface of a keyframe in host memory.
-class KeptPlaceSurface {
- public:
+struct KeptPlaceSurface {
   /// From a keyframe's depth image (mm; 0 = none; may be empty), seen by `camera`.
   KeptPlaceSurface(const exec::Device& cpu, const Image<uint16_t>& depth, const PinholeParams& camera);
 

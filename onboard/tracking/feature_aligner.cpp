@@ -6,11 +6,11 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "onboard/tracking/nearest_two.h"
 
 namespace kt {
 namespace {
@@ -186,6 +186,11 @@ bool is_explained(const Feature& a, const Feature& b, const Pose& T_a_b, const F
          std::abs(p_camera.z() - a.p_camera.z()) < gate_m;
 }
 
+double FeatureEquations::trust(size_t matches) const {
+  const double chi_square = std::max(1.0, squares / (5 * static_cast<double>(matches)));
+  return 1 / (kCorrelation * chi_square);
+}
+
 FeatureEquations feature_equations(std::span<const Feature> a, std::span<const Feature> b,
                                    std::span<const FeatureMatch> matches, const Pose& T_a_b,
                                    const FeatureCamera& camera) {
@@ -218,15 +223,6 @@ std::vector<FeatureMatch> inliers_of(std::span<const Feature> a, std::span<const
   return inliers;
 }
 
-bool is_constrained(const Matrix6d& information) {
-  const Eigen::LLT<Matrix6d> llt(information);
-  if (llt.info() != Eigen::Success) return false;
-  const Matrix6d covariance = llt.solve(Matrix6d::Identity());
-  if (!covariance.allFinite()) return false;
-  return covariance.diagonal().head<3>().maxCoeff() < kMaxRotationSigma * kMaxRotationSigma &&
-         covariance.diagonal().tail<3>().maxCoeff() < kMaxTranslationSigma * kMaxTranslationSigma;
-}
-
 }  // namespace
 
 const char* to_string(FeatureStatus status) {
@@ -248,22 +244,7 @@ const char* to_string(FeatureStatus status) {
 }
 
 std::vector<FeatureMatch> match_features(std::span<const Feature> a, std::span<const Feature> b) {
-  struct Nearest {
-    int distance = std::numeric_limits<int>::max(), second = std::numeric_limits<int>::max(), index = -1;
-    void see(int other, int other_distance) {
-      if (other_distance < distance) {
-        second = distance;
-        distance = other_distance;
-        index = other;
-      } else if (other_distance < second) {
-        second = other_distance;
-      }
-    }
-    bool is_clear() const {
-      return index >= 0 && distance <= kMaxDistance && distance < kMaxRatio * static_cast<double>(second);
-    }
-  };
-  std::vector<Nearest> nearest_a(a.size()), nearest_b(b.size());
+  std::vector<NearestTwo> nearest_a(a.size()), nearest_b(b.size());
   for (size_t i = 0; i < a.size(); ++i) {
     for (size_t j = 0; j < b.size(); ++j) {
       const int distance = descriptor_distance(a[i], b[j]);
@@ -273,8 +254,9 @@ std::vector<FeatureMatch> match_features(std::span<const Feature> a, std::span<c
   }
   std::vector<FeatureMatch> matches;
   for (size_t i = 0; i < a.size(); ++i) {
-    const Nearest& best = nearest_a[i];
-    if (best.is_clear() && nearest_b[static_cast<size_t>(best.index)].index == static_cast<int>(i))
+    const NearestTwo& best = nearest_a[i];
+    if (best.is_clear(kMaxRatio) && best.distance <= kMaxDistance &&
+        nearest_b[static_cast<size_t>(best.index)].index == static_cast<int>(i))
       matches.push_back({static_cast<int>(i), best.index});
   }
   return matches;
@@ -345,11 +327,10 @@ FeatureAlignment refine_alignment(std::span<const Feature> a, std::span<const Fe
   }
   result.T_a_b = T_a_b;
   const double count = static_cast<double>(inliers.size());
-  const double chi_square = std::max(1.0, sums.squares / (5 * count));
-  result.information = sums.A / (kCorrelation * chi_square);
+  result.information = sums.trust(inliers.size()) * sums.A;
   result.rms_px = kPixelSigma * std::sqrt(sums.reprojection_squares / (4 * count));
   result.status = FeatureStatus::kUnconstrained;
-  if (!is_constrained(result.information)) return result;
+  if (!is_constrained(result.information, kMaxRotationSigma, kMaxTranslationSigma)) return result;
   result.status = FeatureStatus::kReprojectionError;
   if (result.rms_px > kPixelSigma * kMaxRms) return result;
   result.status = FeatureStatus::kOk;

@@ -68,6 +68,8 @@ struct FeatureEquations {
   Matrix6d A = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();
   double squares = 0, reprojection_squares = 0;
+  /// Of so many matches, as a factor of A: they tell less than their number, and least where they fit badly.
+  double trust(size_t matches) const;
 };
 FeatureEquations feature_equations(std::span<const Feature> a, std::span<const Feature> b,
                                    std::span<const FeatureMatch> matches, const Pose& T_a_b,

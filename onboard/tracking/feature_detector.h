@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "onboard/preprocess/preprocessor.h"
-#include "onboard/tracking/feature_kernel.h"
+#include "onboard/tracking/corner_detector.h"
 
 namespace kt {
 
@@ -20,13 +20,6 @@ struct Feature {
 /// Bits in which two descriptors differ, of 256.
 int descriptor_distance(const Feature& a, const Feature& b);
 
-/// Corners that score less are noise of the image (square grey levels).
-inline constexpr float kLeastCornerScore = 2.0f;
-
-/// Pairs of points around a corner, nearer ones more often (as BRIEF, Calonder et al. 2010), within the reach
-/// of DetectFeature however they are turned; one per bit of a descriptor.
-std::vector<DescriptorPair> descriptor_pairs();
-
 class FeatureDetector {
  public:
   FeatureDetector(const exec::Device& device, const Calibration& calibration);
@@ -35,12 +28,8 @@ class FeatureDetector {
   std::vector<Feature> detect(const FrameMaps& maps);
 
  private:
-  exec::Device device_;
   Pose T_colour_depth_;
-  int cell_side_ = 0;
-  exec::Buffer<float> smoothed_, scores_;
-  exec::Buffer<DescriptorPair> pairs_;
-  exec::Buffer<DetectedFeature> detected_;  // of all levels, finest first
+  CornerDetector corners_;
 };
 
 }  // namespace kt

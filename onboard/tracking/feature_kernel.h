@@ -86,7 +86,7 @@ struct DetectedFeature {
 /// Finds the point of the surface behind a pixel of the colour camera.
 struct SurfaceBehind {
   PinholeParams camera;  // colour, of any level
-  DepthView depth;       // of any level; null: no point is found
+  DepthView depth;       // of any level; null where there is none
   PinholeParams depth_camera;
   Rigid3f T_colour_depth, T_depth_colour;
 
@@ -140,7 +140,6 @@ struct DetectFeature {
   const float* scores;  // of the same size
   float min_score;      // square grey levels per square pixel
   SurfaceBehind surface;
-  int32_t needs_point;          // 0: corners without depth will do
   const DescriptorPair* pairs;  // one per bit
   DetectedFeature* features;    // out, by cell
 
@@ -160,7 +159,7 @@ struct DetectFeature {
 
  private:
   KT_HOST_DEVICE bool has_point(float u, float v, Vec3f* p_camera) const {
-    return !needs_point || surface.find(u, v, p_camera);
+    return !surface.depth.depth_m || surface.find(u, v, p_camera);
   }
   KT_HOST_DEVICE float score(int u, int v) const { return scores[int64_t{v} * image.width + u]; }
 

@@ -67,8 +67,7 @@ std::optional<KeyframeStore::Nearest> KeyframeStore::nearest(int segment, const 
   std::optional<Nearest> best;
   for (int i = 0; i < size(); ++i) {
     if (at(i).segment != segment || at(i).timestamp_us < since_us) continue;
-    const Pose T = at(i).T_odom_camera.inverse() * T_odom_camera;
-    const double distance = T.translation().norm() + rotation_angle(T);
+    const double distance = movement(at(i).T_odom_camera.inverse() * T_odom_camera);
     if (!best || distance < best->distance) best = {i, distance};
   }
   return best;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/geometry/se3.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -96,6 +97,18 @@ bool is_valid_pose(const Pose& T, double tolerance) {
   return (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < tolerance &&
          R.determinant() > 0;
 }
+
+bool is_constrained(const Matrix6d& information, double max_rotation_sigma_rad,
+                    double max_translation_sigma_m) {
+  const Eigen::LLT<Matrix6d> llt(information);
+  if (llt.info() != Eigen::Success) return false;
+  const Vector6d variances = llt.solve(Matrix6d::Identity()).diagonal();
+  return variances.allFinite() &&
+         variances.head<3>().maxCoeff() < max_rotation_sigma_rad * max_rotation_sigma_rad &&
+         variances.tail<3>().maxCoeff() < max_translation_sigma_m * max_translation_sigma_m;
+}
+
+double movement(const Pose& T) { return T.translation().norm() + rotation_angle(T); }
 
 Rigid3f to_rigid3f(const Pose& T) {
   Rigid3f result;

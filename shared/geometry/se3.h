@@ -42,6 +42,13 @@ Pose orthonormalised(const Pose& T);
 /// Rotation angle of T in radians.
 double rotation_angle(const Pose& T);
 
+/// Whether a motion of this information is known to these standard deviations about and along every axis.
+bool is_constrained(const Matrix6d& information, double max_rotation_sigma_rad,
+                    double max_translation_sigma_m);
+
+/// How much a camera moved: metres plus radians (the paper's eq. 2).
+double movement(const Pose& T);
+
 /// Whether every entry is finite and the rotation is orthonormal to `tolerance`.
 bool is_valid_pose(const Pose& T, double tolerance = 1e-3);
 

@@ -177,6 +177,23 @@ TEST(Se3, RotationAngleIsThatOfTheLog) {
   }
 }
 
+TEST(Se3, MovementIsMetresPlusRadians) {
+  Pose T = Pose::Identity();
+  EXPECT_EQ(movement(T), 0);
+  T.translation() = Eigen::Vector3d(0, 0.3, -0.4);
+  T.linear() = exp_so3(Eigen::Vector3d(0, 0.25, 0));
+  EXPECT_NEAR(movement(T), 0.75, 1e-12);
+}
+
+TEST(Se3, OneOpenDirectionLeavesAMotionUnconstrained) {
+  Matrix6d information = 1e4 * Matrix6d::Identity();  // 0.01 rad and 0.01 m
+  EXPECT_TRUE(is_constrained(information, 0.011, 0.011));
+  EXPECT_FALSE(is_constrained(information, 0.009, 0.011));
+  EXPECT_FALSE(is_constrained(information, 0.011, 0.009));
+  information(4, 4) = 0;
+  EXPECT_FALSE(is_constrained(information, 1, 1));
+}
+
 TEST(Se3, InvalidPosesAreSeen) {
   EXPECT_TRUE(is_valid_pose(Pose::Identity()));
   Pose scaled = Pose::Identity(), mirrored = scaled, unknown = scaled, far = scaled;
