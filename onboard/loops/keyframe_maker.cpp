@@ -3,6 +3,7 @@
 #include "onboard/loops/keyframe_maker.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "onboard/loops/corner_extractor.h"
 #include "onboard/loops/surf_extractor.h"
@@ -43,6 +44,27 @@ Image<Rgb8> thumbnail_of(const Image<Rgb8>& colour) {
     }
   }
   return thumbnail;
+}
+
+// Features are asked for a least response in grey levels: a dark image is given the contrast of a dim one,
+// which leaves descriptors as they are. Of an image whose pixels spread farther nothing changes.
+Image<float> with_contrast(Image<float> image) {
+  constexpr double kLeastSpread = 12, kMostGain = 6;  // standard deviation (grey levels)
+  double count = 0, sum = 0, squares = 0;
+  for (const float level : image.pixels()) {
+    if (level < 0) continue;
+    count += 1;
+    sum += level;
+    squares += double{level} * level;
+  }
+  if (count == 0) return image;
+  const double mean = sum / count, spread = std::sqrt(std::max(0.0, squares / count - mean * mean));
+  if (spread >= kLeastSpread) return image;
+  const auto gain = static_cast<float>(std::min(kMostGain, kLeastSpread / std::max(spread, 1e-3)));
+  for (float& level : image.pixels()) {
+    if (level >= 0) level = std::clamp(128 + gain * (level - static_cast<float>(mean)), 0.0f, 255.0f);
+  }
+  return image;
 }
 
 // At twice the size, so that structures of a pixel or two are found (Bay et al. 2008, sec. 3.3): bilinear;
@@ -95,7 +117,7 @@ Keyframe KeyframeMaker::make(const KeyframeImages& images) {
   keyframe.descriptor_size = kind().bytes;
   keyframe.depth = images.quarter_depth;
   keyframe.thumbnail = images.thumbnail;
-  const Image<float>& half = images.intensity;
+  const Image<float> half = with_contrast(images.intensity);
   const Image<float> twice = magnification_ == 2 ? doubled(half) : Image<float>();
   const Image<float>& image = magnification_ == 2 ? twice : half;
   Keypoints keypoints = extractor_->extract({image.data(), image.width(), image.height()});
