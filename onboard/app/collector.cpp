@@ -29,8 +29,9 @@ FrameReport Collector::process(const RgbdFrame& frame) {
     const auto predict = [this](const Pose& T) -> const ModelView& {
       return *(model_ = &volume_.raycast(T));
     };
-    report.pose =
-        clock_.measure("track", [&] { return odometry_.track(maps, model_, predict, frame.sequence); });
+    const auto find_place = [this](const FrameMaps& lost) { return places_.find(lost); };
+    report.pose = clock_.measure(
+        "track", [&] { return odometry_.track(maps, model_, predict, find_place, frame.sequence); });
     report.track = odometry_.last_result();
     publish_pose(report.pose);
     publish_places(clock_.measure("places", [&] { return places_.next(maps, frame.colour, report.pose); }));

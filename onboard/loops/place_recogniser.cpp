@@ -128,6 +128,32 @@ void PlaceRecogniser::work() {
   }
 }
 
+void PlaceRecogniser::wait_until_idle() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return failure_ || jobs_.empty(); });
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+std::optional<SegmentPose> PlaceRecogniser::find(const FrameMaps& maps) {
+  if (!config_.enabled || !maps.has_colour) return std::nullopt;
+  wait_until_idle();
+  if (known_.empty()) return std::nullopt;
+  StampedPose nowhere;
+  nowhere.sequence = known_.back().place.keyframe.sequence + 1;
+  const Known seen = known_as(maker_.make(KeyframeMaker::images_of(maps, {}, nowhere)));
+  std::optional<SegmentPose> best;
+  size_t most = 0;
+  for (const auto& match :
+       index_.search(seen.bag, static_cast<int>(known_.size()), 0.0f, config_.candidates)) {
+    const Place& from = known_[static_cast<size_t>(match.keyframe)].place;
+    const LoopClosure proof = verifier_.verify(from, seen.place);
+    if (!proof.accepted() || proof.p_from.size() <= most) continue;
+    most = proof.p_from.size();
+    best = SegmentPose{from.keyframe.segment, from.keyframe.T_odom_camera * proof.T_from_to};
+  }
+  return best;
+}
+
 PlaceRecogniser::Known PlaceRecogniser::known_as(Keyframe keyframe) const {
   ImageWords words = vocabulary_.words_of(keyframe.descriptors);
   return {{std::move(keyframe), std::move(words.nodes)}, std::move(words.bag)};

@@ -47,6 +47,10 @@ class PlaceRecogniser {
   /// What is left; waits for it.
   std::vector<Findings> finish();
 
+  /// Where a camera is that sees this frame, by the keyframe that most proves it; waits for those that are
+  /// worked on. Nothing where none does. The frame is not remembered.
+  std::optional<SegmentPose> find(const FrameMaps& maps);
+
  private:
   /// A keyframe in the making, and what odometry knew of it.
   struct Job {
@@ -64,6 +68,7 @@ class PlaceRecogniser {
 
   void follow(const StampedPose& pose);
   void work();
+  void wait_until_idle();
   Findings study(Job job);
   Known known_as(Keyframe keyframe) const;
   std::vector<KeyframeIndex::Match> proposals(const Known& known) const;
@@ -81,7 +86,7 @@ class PlaceRecogniser {
   double way_m_ = 0;
   Matrix6d covariance_ = Matrix6d::Zero();
 
-  // Of the thread.
+  // Of the thread, and of the caller while it is idle.
   KeyframeIndex index_;
   std::vector<Known> known_;
   int64_t candidates_ = 0;

@@ -1,8 +1,7 @@
-// Keyframes that a lost camera is looked for among.
+// Keyframes that frames are compared with.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -11,9 +10,6 @@
 
 namespace kt {
 
-/// The look of a place in 512 bits, to be compared by the bits that differ.
-using PlaceCode = std::array<uint64_t, 8>;
-
 struct StoredKeyframe {
   int64_t sequence = 0;  ///< of its frame
   int64_t timestamp_us = 0;
@@ -21,15 +17,12 @@ struct StoredKeyframe {
   Pose T_odom_camera = Pose::Identity();
   std::vector<Feature> features;
   KeptSurface surface;
-  PlaceCode code{};
 };
 
 class KeyframeStore {
  public:
   /// Of at most `capacity` keyframes: when it is full, every second of the older half goes.
-  KeyframeStore(const exec::Device& device, int capacity);
-
-  PlaceCode code_of(const FrameMaps& maps);
+  explicit KeyframeStore(int capacity) : capacity_(static_cast<size_t>(capacity)) {}
 
   void add(StoredKeyframe keyframe);
   int size() const { return static_cast<int>(keyframes_.size()); }
@@ -43,17 +36,9 @@ class KeyframeStore {
   };
   std::optional<Nearest> nearest(int segment, const Pose& T_odom_camera, int64_t since_us) const;
 
-  /// Up to `count` that look most like `code`, best first, and after those `others` more in turn, so that
-  /// repeated calls come to every keyframe whatever it looks like.
-  std::vector<int> candidates(const PlaceCode& code, int count, int others);
-
  private:
-  exec::Device device_;
   size_t capacity_;
-  exec::Buffer<PlaceBit::Pair> pairs_;
-  exec::Buffer<uint8_t> bits_;
   std::vector<StoredKeyframe> keyframes_;
-  size_t turn_ = 0;
 };
 
 }  // namespace kt

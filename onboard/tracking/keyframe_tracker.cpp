@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/tracking/keyframe_tracker.h"
 
+#include <limits>
+
 namespace kt {
 namespace {
 
@@ -11,9 +13,6 @@ constexpr double kNear = 1.0;
 // The odometry has drifted since an older one: it says where the camera is in the room, not in the model.
 constexpr int64_t kRecent_us = 20'000'000;
 
-// Keyframes that a lost frame is compared with: those that look most like it, and some in turn.
-constexpr int kAlike = 3, kInTurn = 2;
-
 }  // namespace
 
 KeyframeTracker::KeyframeTracker(const exec::Device& device, const Calibration& calibration,
@@ -22,7 +21,7 @@ KeyframeTracker::KeyframeTracker(const exec::Device& device, const Calibration& 
       camera_{calibration.colour.pinhole().half(), calibration.T_colour_depth},
       detector_(device, calibration),
       surfaces_(device, calibration, int64_t{config.max_keyframes} + 1),  // a new one comes before one goes
-      store_(device, config.max_keyframes) {}
+      store_(config.max_keyframes) {}
 
 void KeyframeTracker::look_at(const FrameMaps& maps) {
   maps_ = &maps;
@@ -37,32 +36,25 @@ const std::vector<Feature>& KeyframeTracker::features() {
 std::optional<KeyframeTracker::Found> KeyframeTracker::find_near(int segment, const Pose& T_odom_guess) {
   const auto nearest = store_.nearest(segment, T_odom_guess, maps_->timestamp_us - kRecent_us);
   if (!nearest || nearest->distance > kNear) return std::nullopt;
-  return find_at(nearest->index, config_.min_feature_inliers);
+  return find_at(nearest->index);
 }
 
-KeyframeTracker::Found KeyframeTracker::find_at(int keyframe, int min_inliers) {
+KeyframeTracker::Found KeyframeTracker::find_at(int keyframe) {
   const StoredKeyframe& stored = store_.at(keyframe);
-  const FeatureAlignment alignment = align_features(stored.features, features(), camera_, min_inliers);
+  const FeatureAlignment alignment =
+      align_features(stored.features, features(), camera_, config_.min_feature_inliers);
   return {keyframe, alignment, stored.T_odom_camera * alignment.T_a_b};
 }
 
-std::optional<KeyframeTracker::Found> KeyframeTracker::find_anywhere() {
-  std::optional<Found> best;
-  for (const int index : store_.candidates(store_.code_of(*maps_), kAlike, kInTurn)) {
-    const Found found = find_at(index, config_.min_relocalisation_inliers);
-    if (found.alignment.status != FeatureStatus::kOk ||
-        (best && found.alignment.inliers <= best->alignment.inliers))
-      continue;
-    best = found;
-  }
-  return best;
+std::optional<int> KeyframeTracker::nearest(int segment, const Pose& T_odom_camera) const {
+  const auto found = store_.nearest(segment, T_odom_camera, std::numeric_limits<int64_t>::min());
+  return found ? std::optional(found->index) : std::nullopt;
 }
 
 void KeyframeTracker::remember(int64_t sequence, int segment, const Pose& T_odom_camera) {
   const auto nearest = store_.nearest(segment, T_odom_camera, maps_->timestamp_us - kRecent_us);
   if (nearest && nearest->distance < config_.keyframe_distance) return;
-  store_.add({sequence, maps_->timestamp_us, segment, T_odom_camera, features(), surfaces_.keep(*maps_),
-              store_.code_of(*maps_)});
+  store_.add({sequence, maps_->timestamp_us, segment, T_odom_camera, features(), surfaces_.keep(*maps_)});
 }
 
 }  // namespace kt

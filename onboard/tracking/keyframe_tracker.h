@@ -1,4 +1,4 @@
-// Finds a frame by its features: near the last pose, or anywhere among the keyframes.
+// Finds a frame by its features: from the keyframe nearest to where it may be.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -31,10 +31,10 @@ class KeyframeTracker {
   std::optional<Found> find_near(int segment, const Pose& T_odom_guess);
 
   /// From one keyframe.
-  Found find_at(int keyframe, int min_inliers);
+  Found find_at(int keyframe);
 
-  /// From any keyframe: that with the most inliers of some that look alike, and of a few more in turn.
-  std::optional<Found> find_anywhere();
+  /// The keyframe of `segment` nearest to a pose, however old it is.
+  std::optional<int> nearest(int segment, const Pose& T_odom_camera) const;
 
   /// Makes a keyframe of the frame, seen from T_odom_camera, where there is no recent one near.
   void remember(int64_t sequence, int segment, const Pose& T_odom_camera);

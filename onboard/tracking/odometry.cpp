@@ -15,6 +15,10 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
+// After a longer time an edge or a blob may have gone by more than the alignment reaches: a wall that slides
+// along itself fits none the less.
+constexpr double kReach_s = 0.08;
+
 // The motion before a gap says little about what comes later than this.
 constexpr double kLongestPrediction_s = 1.0;
 
@@ -79,7 +83,7 @@ void Odometry::remember(const FrameMaps& maps, const ModelView& model) {
 }
 
 StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, const PredictSurface& predict,
-                            int64_t sequence) {
+                            const FindPlace& find_place, int64_t sequence) {
   keyframes_.look_at(maps);
   tried_fallbacks_ = false;
   if (!model) return start_segment(maps, sequence);
@@ -93,7 +97,7 @@ StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, const
     doubt(maps, estimate);
     const bool is_search = estimate.result.status != TrackingStatus::kGood && frames_since_good_ > 0;
     if (is_search) {
-      if (const auto found = relocalise(maps, predict)) estimate = *found;
+      if (const auto found = relocalise(maps, predict, find_place)) estimate = *found;
     }
     if (estimate.result.status == TrackingStatus::kLost && is_carried()) estimate = dead_reckoned(estimate);
   }
@@ -141,7 +145,7 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
   T_last_turned.linear() = rotation_aligner_.align(maps, T_last_turned.linear());
   const Pose T_odom_guess = T_odom_last * T_last_turned;
   attempt(&reference_, T_odom_guess, view_at(T_odom_last * carried_motion()), PoseSource::kModel);
-  if (best.is_sure) return best;
+  if (best.is_sure && best.result.quality.free_directions == 0 && dt_s <= kReach_s) return best;
   tried_fallbacks_ = true;
 
   const auto found = keyframes_.find_near(last_good_.segment, T_odom_guess);
@@ -157,6 +161,8 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
       if (!agree() && !best.is_sure) return uncertain(best, *found);
     }
     best.is_sure = best.has_witness = true;
+  } else if (best.is_sure) {
+    return best;  // nothing else tells more
   } else if (dt_s <= kLongestPairwise_s) {
     const TrackResult pairwise =
         tracker_.track(maps, views_.view(last_surface_, T_odom_last), nullptr, guess_at(T_odom_last));
@@ -256,12 +262,15 @@ Odometry::Estimate Odometry::by_model(const FrameMaps& maps, const ModelView& mo
   return estimate;
 }
 
-std::optional<Odometry::Estimate> Odometry::relocalise(const FrameMaps& maps, const PredictSurface& predict) {
-  const auto found = keyframes_.find_anywhere();
-  if (!found) return std::nullopt;
-  Estimate estimate = by_keyframe(maps, predict, found->keyframe, found->T_odom_camera);
+std::optional<Odometry::Estimate> Odometry::relocalise(const FrameMaps& maps, const PredictSurface& predict,
+                                                       const FindPlace& find_place) {
+  const auto place = find_place ? find_place(maps) : std::nullopt;
+  if (!place) return std::nullopt;
+  const auto keyframe = keyframes_.nearest(place->segment, place->T_odom_camera);
+  if (!keyframe) return std::nullopt;
+  Estimate estimate = by_keyframe(maps, predict, *keyframe, place->T_odom_camera);
   if (estimate.result.status != TrackingStatus::kGood) return std::nullopt;
-  candidate_ = Candidate{estimate.result.T_odom_camera, maps.timestamp_us, found->keyframe};
+  candidate_ = Candidate{estimate.result.T_odom_camera, maps.timestamp_us, *keyframe};
   estimate.result.status = TrackingStatus::kUncertain;
   estimate.result.cause = TrackingCause::kUnconfirmed;
   return estimate;
@@ -273,7 +282,7 @@ std::optional<Odometry::Estimate> Odometry::confirm(const FrameMaps& maps, const
   const double dt_s = seconds(candidate.timestamp_us, maps.timestamp_us);
   if (dt_s > std::max(kLongestConfirmation_s, 2e-6 * static_cast<double>(last_interval_us_)))
     return std::nullopt;
-  const auto found = keyframes_.find_at(candidate.keyframe, config_.min_feature_inliers);
+  const auto found = keyframes_.find_at(candidate.keyframe);
   const Pose& T_guess =
       found.alignment.status == FeatureStatus::kOk ? found.T_odom_camera : candidate.T_odom_camera;
   const Estimate estimate = by_keyframe(maps, predict, candidate.keyframe, T_guess);

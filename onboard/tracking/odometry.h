@@ -20,6 +20,10 @@ class Odometry {
   /// The model surface as seen from a pose; the view replaces the one before it.
   using PredictSurface = std::function<const ModelView&(const Pose& T_odom_camera)>;
 
+  /// Where a camera is that sees a frame, wherever that may be; nothing where the place is not recognised.
+  /// May be empty: a lost camera is then not looked for.
+  using FindPlace = std::function<std::optional<SegmentPose>(const FrameMaps&)>;
+
   Odometry(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config);
 
   /// Finds the pose of the next frame, whose stamp lies after the last one's. `model` is the surface as last
@@ -28,7 +32,7 @@ class Odometry {
   /// again, at a keyframe; a lost frame repeats the last good pose, with next to no information. A good pose
   /// of another segment than the last one's needs another model: that of its own segment, or an empty one.
   StampedPose track(const FrameMaps& maps, const ModelView* model, const PredictSurface& predict,
-                    int64_t sequence);
+                    const FindPlace& find_place, int64_t sequence);
 
   /// Looks at a frame that was fused, and the model view predicted from its pose: later frames are compared
   /// with them. Right after track() of that frame.
@@ -83,7 +87,8 @@ class Odometry {
   Estimate by_model(const FrameMaps& maps, const ModelView& model, const PhotometricReference* reference,
                     const TrackGuess& guess, PoseSource source);
   std::optional<Estimate> confirm(const FrameMaps& maps, const PredictSurface& predict);
-  std::optional<Estimate> relocalise(const FrameMaps& maps, const PredictSurface& predict);
+  std::optional<Estimate> relocalise(const FrameMaps& maps, const PredictSurface& predict,
+                                     const FindPlace& find_place);
   Estimate by_keyframe(const FrameMaps& maps, const PredictSurface& predict, int index,
                        const Pose& T_odom_guess);
   /// Whether the frame shows a place at all, rather than a hand before the lens.

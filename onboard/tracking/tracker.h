@@ -32,12 +32,11 @@ struct TrackingConfig {
   double reference_angle_deg = 10;     ///< or this turn
   double max_step_m = 0.25;            ///< motion in 1/30 s beyond which a pose is not believed
   double max_step_deg = 20;
-  double keyframe_distance = 0.2;       ///< between keyframes, in metres of motion plus radians of turn
-  int max_keyframes = 1000;             ///< kept to find a lost camera again; 100 kB each, on a GPU from
-                                        ///< the start
-  int min_feature_inliers = 15;         ///< matches that must agree for a motion found by features
-  int min_relocalisation_inliers = 25;  ///< the same for finding a lost camera again
-  double new_segment_after_s = 1.5;     ///< of usable frames without a good one: the map begins anew
+  double keyframe_distance = 0.2;    ///< between keyframes, in metres of motion plus radians of turn
+  int max_keyframes = 1000;          ///< kept to find a lost camera again; 100 kB each, on a GPU from
+                                     ///< the start
+  int min_feature_inliers = 15;      ///< matches that must agree for a motion found by features
+  double new_segment_after_s = 1.5;  ///< of usable frames without a good one: the map begins anew
 };
 
 /// What is known of a frame's pose before it is looked at.

@@ -14,7 +14,6 @@ KT_INSTANTIATE_FOR_EACH(kt::RatePhotometricPoint);
 KT_INSTANTIATE_FOR_EACH(kt::GatherPhotometricPoint);
 KT_INSTANTIATE_FOR_EACH(kt::CopyFloats);
 KT_INSTANTIATE_FOR_EACH(kt::DetectFeature);
-KT_INSTANTIATE_FOR_EACH(kt::PlaceBit);
 KT_INSTANTIATE_FOR_EACH_PIXEL(kt::SmoothIntensity);
 KT_INSTANTIATE_FOR_EACH_PIXEL(kt::ScoreCorner);
 KT_INSTANTIATE_FOR_EACH_PIXEL(kt::UnprojectDepth);

@@ -57,6 +57,12 @@ struct TrackingQuality {
   int free_directions = 0;  ///< of the six, how many kept the guess
 };
 
+/// A camera pose in the odom frame of a segment.
+struct SegmentPose {
+  int segment = 0;
+  Pose T_odom_camera = Pose::Identity();
+};
+
 /// A pose graph node with its odometry edge.
 struct StampedPose {
   int64_t sequence = 0;  ///< of the frame

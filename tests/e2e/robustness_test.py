@@ -17,7 +17,7 @@ robustness.__loader__.exec_module(robustness)
 from mission_files import SOURCES, read_poses, read_recording, write_tum  # noqa: E402  (found through the path above)
 
 # A quarter of the usual pixels show fewer corners.
-SETTINGS = ["volume.voxel_size_m=0.02", "volume.resolution=256", "tracking.min_relocalisation_inliers=15"]
+SETTINGS = ["volume.voxel_size_m=0.02", "volume.resolution=256"]
 SECOND = 30  # frames
 SOON = 1.5 * SECOND
 

@@ -35,7 +35,7 @@ StageRun run_stages(const exec::Device& device, const RunSetup& setup) {
     measure(StageRun::kFrame, [&] {
       measure(StageRun::kPreprocess, [&] { maps = &preprocessor.process(frame); });
       measure(StageRun::kTrack, [&] {
-        const StampedPose pose = odometry.track(*maps, model, predict, i);
+        const StampedPose pose = odometry.track(*maps, model, predict, {}, i);
         T_odom_camera = pose.T_odom_camera;
         run.frames_good += is_timed && pose.status == TrackingStatus::kGood;
       });

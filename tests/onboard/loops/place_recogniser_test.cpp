@@ -294,9 +294,37 @@ TEST(PlaceRecogniser, DoubtsAClosureThatOdometryExcludes) {
   EXPECT_TRUE(verdicts_with(3, 1).contains(LoopVerdict::kAccepted));  // of another segment it knows nothing
 }
 
+TEST(PlaceRecogniser, FindsWhereAViewWasSeen) {
+  Recorded recorded;
+  EXPECT_FALSE(recorded.places.find(recorded.maps(frames()[0])));  // nothing is known yet
+  for (int i = 0; i < 6; ++i) {
+    StampedPose pose = pose_at(i);
+    pose.segment = 3;
+    recorded.next(i, pose);
+  }
+  const Pose T_world_now = T_world_camera(2) * pose_of({1, -3, 0}, {0.04, 0.02, -0.03});
+  const RgbdFrame seen = render(place(), kCalibration, T_world_now, {.sequence = 50, .blotches_m = 0.12});
+  const auto found = recorded.places.find(recorded.maps(seen));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->segment, 3);
+  const Pose T_odom_world = pose_at(2).T_odom_camera * T_world_camera(2).inverse();
+  EXPECT_POSE_NEAR(found->T_odom_camera, T_odom_world * T_world_now, 0.3, 0.01);
+
+  RgbdFrame black = seen;
+  for (Rgb8& colour : black.colour.pixels()) colour = {0, 0, 0};
+  EXPECT_FALSE(recorded.places.find(recorded.maps(black)));
+  RgbdFrame grey = seen;
+  grey.colour = {};
+  EXPECT_FALSE(recorded.places.find(recorded.maps(grey)));
+  EXPECT_FALSE(recorded.places.find(recorded.maps(frames()[11])));  // never seen
+  // Looking is not remembering.
+  EXPECT_THAT(sequences_of(recorded.places.finish()), testing::ElementsAre(0, 1, 2, 3, 4, 5));
+}
+
 TEST(PlaceRecogniser, SwitchedOffItDoesNothing) {
   Recorded recorded({.enabled = 0, .verification = {}});
   EXPECT_TRUE(recorded.all().empty());
+  EXPECT_FALSE(recorded.places.find(recorded.maps(frames()[0])));
 }
 
 TEST(PlaceRecogniser, GivesTheSameBytesOnEveryDevice) {
@@ -317,6 +345,7 @@ TEST(PlaceRecogniser, ErrorsOfTheThreadReachTheCaller) {
     places.finish();
   });
   EXPECT_ANY_THROW(places.next(maps, {}, pose_at(1)));
+  EXPECT_ANY_THROW(places.find(maps));
 }
 
 TEST(PlaceRecogniser, MayEndWithWorkQueued) {

@@ -42,7 +42,7 @@ TEST(Odometry, AVelocityWithoutRotationFollowsTheTurnOfTheCamera) {
     sample.translation_sigma = 0.005;
     EXPECT_TRUE(odometry.add_motion_sample(sample));
     const FrameMaps& maps = preprocessor.process(frame);
-    const StampedPose pose = odometry.track(maps, sequence == 0 ? nullptr : &view, predict, sequence);
+    const StampedPose pose = odometry.track(maps, sequence == 0 ? nullptr : &view, predict, {}, sequence);
     ASSERT_EQ(pose.status, TrackingStatus::kGood) << sequence;
     const Pose T_last_current = T_odom_last.inverse() * pose.T_odom_camera;
     if (sequence >= 2) {  // by then it is known how the camera turns
