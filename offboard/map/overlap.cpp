@@ -96,18 +96,6 @@ std::vector<bool> touched_by_fallen(std::span<const CloudSlice> slices, const St
 
 }  // namespace
 
-Vec3i owning_cell(const std::array<EdgeKey, 3>& corners) {
-  Vec3i cell{-EdgeKey::kLimit, -EdgeKey::kLimit, -EdgeKey::kLimit};
-  for (const EdgeKey key : corners) {
-    // The cells around an edge begin at its first voxel or one before, but not before it along its axis.
-    const Vec3i voxel = key.voxel();
-    cell.x = std::max(cell.x, voxel.x - (key.axis() != 0));
-    cell.y = std::max(cell.y, voxel.y - (key.axis() != 1));
-    cell.z = std::max(cell.z, voxel.z - (key.axis() != 2));
-  }
-  return cell;
-}
-
 StandingTriangles one_slice_per_cell(std::span<const CloudSlice> slices) {
   const std::vector<uint32_t> ranks = ranks_of(slices);
   std::vector<CellEntry> entries;

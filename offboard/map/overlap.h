@@ -14,10 +14,6 @@ namespace kt {
 /// For each slice: whether its triangles stand.
 using StandingTriangles = std::vector<std::vector<bool>>;
 
-/// The cell of the voxel grid, by its lowest corner, that a triangle of marching cubes lies in: the only one
-/// that has all three edges.
-Vec3i owning_cell(const std::array<EdgeKey, 3>& corners);
-
 /// Gives each cell to one slice, the best by mean vertex weight of those that hold triangles there, the later
 /// of equals; parts of one slice, which share their sequence, are one. Whole slices are ranked, not cells:
 /// where two stays meet their surfaces do not, so the fewer and larger the patches, the fewer edges stay

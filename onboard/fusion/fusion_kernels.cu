@@ -3,6 +3,7 @@
 #include "onboard/fusion/integrate_kernel.h"
 #include "onboard/fusion/raycast_kernel.h"
 #include "onboard/fusion/slice_kernel.h"
+#include "onboard/fusion/stored_brick_kernel.h"
 #include "shared/exec/cuda_launch.cuh"
 
 KT_INSTANTIATE_FOR_EACH_PIXEL(kt::TileDepthRange);
@@ -19,3 +20,6 @@ KT_INSTANTIATE_FOR_EACH(kt::WriteSliceRow);
 KT_INSTANTIATE_FOR_EACH(kt::MarkFrozenRow);
 KT_INSTANTIATE_FOR_EACH(kt::FreezeRow);
 KT_INSTANTIATE_FOR_EACH(kt::ClearBrick);
+KT_INSTANTIATE_FOR_EACH(kt::SelectLeavingBrick);
+KT_INSTANTIATE_FOR_EACH(kt::StoreBrickRow);
+KT_INSTANTIATE_FOR_EACH(kt::RestoreBrickRow);

@@ -163,28 +163,78 @@ Vec3i TsdfVolume::wanted_origin_brick(const Pose& T_odom_camera) const {
   return {brick(low.x(), origin_brick_.x), brick(low.y(), origin_brick_.y), brick(low.z(), origin_brick_.z)};
 }
 
-std::optional<CloudSlice> TsdfVolume::follow(const Pose& T_odom_camera) {
+std::optional<Vec3i> TsdfVolume::next_place(const Pose& T_odom_camera) const {
   const Vec3i wanted = wanted_origin_brick(T_odom_camera);
-  if (!placed_) {
-    origin_brick_ = wanted;
-    placed_ = true;
-    return std::nullopt;
-  }
+  if (!placed_) return wanted;
   const Eigen::Vector3d aim = aim_point(T_odom_camera);
   const Eigen::Vector3d centre =
       T_volume_odom().inverse() * Eigen::Vector3d::Constant(0.5 * config_.resolution * config_.voxel_size_m);
   const double edge_m = config_.resolution * config_.voxel_size_m;
   const double shift_distance_m = std::min(config_.shift_distance_m, kLargestShiftShare * edge_m);
   if ((aim - centre).norm() < shift_distance_m || wanted == origin_brick_) return std::nullopt;
+  return wanted;
+}
 
-  const Vec3i low{wanted.x * kBrickSide, wanted.y * kBrickSide, wanted.z * kBrickSide};
-  const VoxelBounds after{low, low + Vec3i{config_.resolution, config_.resolution, config_.resolution}};
-  CloudSlice slice = extractor_.extract(
-      {view(), after, static_cast<int32_t>(std::lround(config_.min_slice_weight * Voxel::kWeightUnits))});
-  slice.T_odom_camera = T_odom_camera;
-  give_back_outside(after);
-  origin_brick_ = wanted;
+VoxelBounds TsdfVolume::bounds_at(Vec3i origin_brick) const {
+  const Vec3i low{origin_brick.x * kBrickSide, origin_brick.y * kBrickSide, origin_brick.z * kBrickSide};
+  return {low, low + Vec3i{config_.resolution, config_.resolution, config_.resolution}};
+}
+
+std::optional<CloudSlice> TsdfVolume::follow(const Pose& T_odom_camera) {
+  const std::optional<Vec3i> place = next_place(T_odom_camera);
+  std::optional<CloudSlice> slice;
+  if (place && placed_) {
+    const VoxelBounds after = bounds_at(*place);
+    slice = extractor_.extract(
+        {view(), after, static_cast<int32_t>(std::lround(config_.min_slice_weight * Voxel::kWeightUnits))});
+    slice->T_odom_camera = T_odom_camera;
+    give_back_outside(after);
+  }
+  if (place) origin_brick_ = *place;
+  placed_ = true;
   return slice;
+}
+
+void TsdfVolume::take_outside(const VoxelBounds& after, const KeepBricks& keep) {
+  constexpr int64_t kAtOnce = 4096;
+  exec::Buffer<uint8_t> with_surface(device_, selected_.size());
+  exec::for_each(device_, selected_.size(),
+                 SelectLeavingBrick{view(), after, selected_.data(), with_surface.data()});
+  const int64_t stored =
+      exec::compact_flags(device_, with_surface.data(), with_surface.size(), slots_.data());
+  exec::Buffer<StoredBrick> bricks(device_, std::min(stored, kAtOnce));
+  for (int64_t first = 0; first < stored; first += kAtOnce) {
+    const int64_t count = std::min(kAtOnce, stored - first);
+    exec::for_each(device_, count * kBrickColumns,
+                   StoreBrickRow{view(), slots_.data() + first, bricks.data()});
+    keep(bricks.downloaded(count));
+  }
+  const int64_t leaving = exec::compact_flags(device_, selected_.data(), selected_.size(), slots_.data());
+  exec::for_each(device_, leaving, ClearBrick{view(), after, slots_.data()});
+  give_back_outside(after);
+}
+
+void TsdfVolume::move_to(Vec3i origin_brick, const KeepBricks& keep) {
+  if (placed_) take_outside(bounds_at(origin_brick), keep);
+  origin_brick_ = origin_brick;
+  placed_ = true;
+}
+
+void TsdfVolume::take_all(const KeepBricks& keep) {
+  take_outside({}, keep);
+  placed_ = false;
+}
+
+void TsdfVolume::put(std::span<const StoredBrick> bricks) {
+  const VoxelBounds bounds = bounds_at(origin_brick_);
+  std::vector<StoredBrick> inside;
+  for (const StoredBrick& stored : bricks) {
+    const Vec3i b = stored.brick;
+    if (bounds.contains({b.x * kBrickSide, b.y * kBrickSide, b.z * kBrickSide})) inside.push_back(stored);
+  }
+  exec::Buffer<StoredBrick> buffer(device_, static_cast<int64_t>(inside.size()));
+  buffer.upload(inside);
+  exec::for_each(device_, buffer.size() * kBrickColumns, RestoreBrickRow{view(), buffer.data()});
 }
 
 void TsdfVolume::give_back_outside(const VoxelBounds& after) {

@@ -3,11 +3,14 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
+#include <span>
 
 #include "onboard/fusion/integrate_kernel.h"
 #include "onboard/fusion/raycast_kernel.h"
 #include "onboard/fusion/slice_extractor.h"
+#include "onboard/fusion/stored_brick_kernel.h"
 #include "onboard/preprocess/model_view.h"
 #include "onboard/preprocess/preprocessor.h"
 #include "shared/types/cloud_slice.h"
@@ -46,6 +49,20 @@ class TsdfVolume {
   /// Exports everything that is left; the volume is empty afterwards, and placed anew by the next follow().
   CloudSlice flush();
 
+  /// Where follow() would place the volume now, by its lowest brick; nothing where it stays.
+  std::optional<Vec3i> next_place(const Pose& T_odom_camera) const;
+
+  /// Takes some bricks at a time.
+  using KeepBricks = std::function<void(std::span<const StoredBrick>)>;
+  /// Places the volume. The bricks that leave it and hold surface are handed over with all that is known of
+  /// them, for put() to bring back; what is known of empty space is lost. Nothing is exported, nothing
+  /// frozen. `origin_brick`: multiples of kBlockSide.
+  void move_to(Vec3i origin_brick, const KeepBricks& keep);
+  /// As move_to() does with all of them.
+  void take_all(const KeepBricks& keep);
+  /// Brings bricks back; those outside the volume are left out. Nothing may have been fused there since.
+  void put(std::span<const StoredBrick> bricks);
+
   Vec3i origin_voxel() const { return view().origin_voxel(); }
   /// Content of the volume for parity tests.
   uint64_t digest() const;
@@ -53,6 +70,8 @@ class TsdfVolume {
 
  private:
   Pose T_volume_odom() const;
+  VoxelBounds bounds_at(Vec3i origin_brick) const;
+  void take_outside(const VoxelBounds& after, const KeepBricks& keep);
   void measure_brick_distances();
   /// The cleared bricks outside `after` need no memory until they are fused into again.
   void give_back_outside(const VoxelBounds& after);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <compare>
 #include <cstdint>
 
@@ -35,6 +37,20 @@ struct EdgeKey {
   KT_HOST_DEVICE int axis() const { return static_cast<int>(bits & 3); }
   friend auto operator<=>(const EdgeKey&, const EdgeKey&) = default;
 };
+
+/// The cell of the voxel grid, by its lowest corner, that a triangle of marching cubes lies in: the only one
+/// that has all three edges.
+inline Vec3i owning_cell(const std::array<EdgeKey, 3>& corners) {
+  Vec3i cell{-EdgeKey::kLimit, -EdgeKey::kLimit, -EdgeKey::kLimit};
+  for (const EdgeKey key : corners) {
+    // The cells around an edge begin at its first voxel or one before, but not before it along its axis.
+    const Vec3i voxel = key.voxel();
+    cell.x = std::max(cell.x, voxel.x - (key.axis() != 0));
+    cell.y = std::max(cell.y, voxel.y - (key.axis() != 1));
+    cell.z = std::max(cell.z, voxel.z - (key.axis() != 2));
+  }
+  return cell;
+}
 
 struct SliceVertex {
   EdgeKey key;

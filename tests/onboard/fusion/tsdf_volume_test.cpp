@@ -7,6 +7,7 @@
 
 #include "shared/core/digest.h"
 #include "tests/onboard/fusion/made_volumes.h"
+#include "tests/onboard/fusion/mesh.h"
 #include "tests/support/devices.h"
 
 namespace kt::test {
@@ -104,6 +105,44 @@ TEST(TsdfVolume, FollowsSoonerWhereItIsSmall) {
       ASSERT_LT(local.maxCoeff(), resolution) << resolution;
     }
   }
+}
+
+TEST(TsdfVolume, BricksThatLeftComeBackAsTheyWere) {
+  Recorder recorder{.scene = AnalyticScene::room({-1.2, -1, -1}, {1.2, 1, 1.5}), .config = moving_volume()};
+  TsdfVolume& volume = recorder.volume;
+  std::vector<StoredBrick> left;
+  const auto keep = [&left](auto bricks) { left.insert(left.end(), bricks.begin(), bricks.end()); };
+  const auto place = volume.next_place(Pose::Identity());
+  ASSERT_TRUE(place);
+  volume.move_to(*place, keep);
+  EXPECT_TRUE(left.empty());
+  EXPECT_FALSE(volume.next_place(Pose::Identity())) << "it stands there";
+  recorder.fuse(Pose::Identity());
+  const CloudSlice before = [&] {
+    volume.take_all(keep);
+    volume.move_to(*place, keep);
+    volume.put(left);
+    return volume.flush();
+  }();
+  EXPECT_GT(before.triangles.size(), 1000u);
+
+  // Half of it leaves, and comes back. A brick that lies elsewhere is let alone.
+  volume.move_to(*place, keep);
+  volume.put(left);
+  std::vector<StoredBrick> half;
+  volume.move_to(*place + Vec3i{2 * kBlockSide, 0, 0},
+                 [&half](auto bricks) { half.insert(half.end(), bricks.begin(), bricks.end()); });
+  EXPECT_GT(half.size(), 0u);
+  EXPECT_LT(half.size(), left.size());
+  volume.move_to(*place, keep);
+  half.push_back(half.front());
+  half.back().brick = *place + Vec3i{-1, 0, 0};
+  volume.put(half);
+  const CloudSlice after = volume.flush();
+  EXPECT_EQ(after.triangles, before.triangles);
+  ASSERT_EQ(after.vertices.size(), before.vertices.size());
+  for (size_t i = 0; i < after.vertices.size(); ++i)
+    ASSERT_EQ(content(after.vertices[i]), content(before.vertices[i]));
 }
 
 // A slanted drive with noise: everything that leaves the volume and all that stays in it.

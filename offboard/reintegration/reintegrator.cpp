@@ -1,0 +1,97 @@
+// Where bricks go as the volume moves, and the tiles that it is read out in.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "offboard/reintegration/reintegrator.h"
+
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace kt {
+namespace {
+
+int floor_div(int a, int n) { return a / n - (a % n != 0 && (a < 0) != (n < 0)); }
+
+Vec3i voxel_of(Vec3i brick) { return {brick.x * kBrickSide, brick.y * kBrickSide, brick.z * kBrickSide}; }
+
+Vec3i uniform(int x) { return {x, x, x}; }
+
+// What `cells` owns of a slice.
+CloudSlice part_of(const CloudSlice& slice, const VoxelBounds& cells) {
+  CloudSlice part;
+  part.voxel_size_m = slice.voxel_size_m;
+  constexpr auto kUnused = ~uint32_t{0};
+  std::vector<uint32_t> index(slice.vertices.size(), kUnused);
+  for (const auto& triangle : slice.triangles) {
+    if (!cells.contains(owning_cell({slice.vertices[triangle[0]].key, slice.vertices[triangle[1]].key,
+                                     slice.vertices[triangle[2]].key})))
+      continue;
+    part.triangles.push_back(triangle);
+    for (const uint32_t corner : triangle) index[corner] = 0;
+  }
+  for (size_t i = 0; i < index.size(); ++i) {
+    if (index[i] == kUnused) continue;
+    index[i] = static_cast<uint32_t>(part.vertices.size());
+    part.vertices.push_back(slice.vertices[i]);
+  }
+  for (auto& triangle : part.triangles) {
+    for (uint32_t& corner : triangle) corner = index[corner];
+  }
+  return part;
+}
+
+}  // namespace
+
+Reintegrator::Reintegrator(const exec::Device& device, const Calibration& calibration,
+                           const ReintegrationConfig& config, const std::filesystem::path& scratch)
+    : config_(config),
+      preprocessor_(device, calibration, config.preprocess),
+      volume_(device, calibration.depth.pinhole(), config.volume),
+      store_(scratch) {}
+
+void Reintegrator::fuse(const RgbdFrame& frame, const Pose& T_world_camera) {
+  if (const auto place = volume_.next_place(T_world_camera)) {
+    volume_.move_to(*place, [this](auto bricks) { store_.put(bricks); });
+    const VoxelBounds inside = bounds_at(*place);
+    store_.read(inside, [this](auto bricks) { volume_.put(bricks); });
+    store_.erase(inside);  // a surface may turn out to be none
+  }
+  volume_.integrate(preprocessor_.process(frame), T_world_camera, frame.sequence);
+  last_us_ = frame.timestamp_us;
+}
+
+VoxelBounds Reintegrator::bounds_at(Vec3i origin_brick) const {
+  const Vec3i low = voxel_of(origin_brick);
+  return {low, low + uniform(config_.volume.resolution)};
+}
+
+// A tile owns what lies one block from the sides of the volume: its vertices are made of voxels that are
+// there.
+CloudSlice Reintegrator::tile_at(Vec3i low_brick) {
+  const Vec3i origin = low_brick - uniform(kBlockSide);
+  volume_.move_to(origin, [](auto) {});
+  store_.read(bounds_at(origin), [this](auto bricks) { volume_.put(bricks); });
+  const Vec3i low = voxel_of(low_brick);
+  return part_of(volume_.flush(), {low, low + uniform(kBrickSide * owned_bricks())});
+}
+
+int Reintegrator::owned_bricks() const { return config_.volume.resolution / kBrickSide - 2 * kBlockSide; }
+
+void Reintegrator::extract(const std::function<void(CloudSlice)>& take,
+                           const std::function<void(double)>& progress) {
+  volume_.take_all([this](auto bricks) { store_.put(bricks); });
+  const int owned = owned_bricks();
+  std::set<std::tuple<int, int, int>> tiles;
+  for (const Vec3i b : store_.bricks())
+    tiles.emplace(floor_div(b.z, owned), floor_div(b.y, owned), floor_div(b.x, owned));
+  int64_t sequence = 0;
+  for (const auto& [z, y, x] : tiles) {
+    CloudSlice slice = tile_at({x * owned, y * owned, z * owned});
+    slice.sequence = sequence++;
+    slice.timestamp_us = last_us_;
+    slice.is_final = sequence == static_cast<int64_t>(tiles.size());
+    take(std::move(slice));
+    progress(static_cast<double>(sequence) / static_cast<double>(tiles.size()));
+  }
+}
+
+}  // namespace kt
