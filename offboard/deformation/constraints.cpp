@@ -25,7 +25,7 @@ Eigen::Vector3d to_eigen(Vec3f p) { return Eigen::Vector3f(p.x, p.y, p.z).cast<d
 }  // namespace
 
 std::vector<PointConstraint> camera_constraints(const Trajectory& before, std::span<const Pose> after,
-                                                double arm_m) {
+                                                const DeformationConfig& config) {
   KT_CHECK(before.size() == after.size(), "a pose after for each pose before");
   std::vector<PointConstraint> constraints;
   for (size_t i = 0; i < before.size(); ++i) {
@@ -34,9 +34,10 @@ std::vector<PointConstraint> camera_constraints(const Trajectory& before, std::s
       constraints.push_back(
           {before[i].T_odom_camera * p_camera, before[i].sequence, after[i] * p_camera, false});
     };
-    add(Eigen::Vector3d::Zero());
-    if (arm_m <= 0) continue;
-    for (int axis = 0; axis < 3; ++axis) add(arm_m * Eigen::Vector3d::Unit(axis));
+    const Eigen::Vector3d centre(0, 0, config.node_ahead_m);
+    add(centre);
+    if (config.camera_arm_m <= 0) continue;
+    for (int axis = 0; axis < 3; ++axis) add(centre + config.camera_arm_m * Eigen::Vector3d::Unit(axis));
   }
   return constraints;
 }

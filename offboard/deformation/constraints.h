@@ -17,11 +17,12 @@ struct PointConstraint {
   bool is_surface = false;  ///< measured, so it may be wrong: under Huber's loss
 };
 
-/// The camera position of every usable pose, from before to after (E_conP, the paper's eq. 8). With `arm_m`
-/// above 0 also the points so far (m) along the camera's three axes. Positions of a straight path say nothing
-/// of rotation about it, and those of a nearly straight one next to nothing; such points do.
+/// The view centre (node_ahead_m in front of the camera) of every usable pose, from before to after, and with
+/// camera_arm_m above 0 the points so far from it along the camera's three axes. With both lengths 0 these
+/// are the camera positions of the paper's E_conP (eq. 8). But positions of a straight path say nothing of
+/// rotation about it, and those of a nearly straight one next to nothing; the points along the axes do.
 std::vector<PointConstraint> camera_constraints(const Trajectory& before, std::span<const Pose> after,
-                                                double arm_m);
+                                                const DeformationConfig& config);
 
 /// The inliers of `loops`, which are those that the optimiser kept: both sightings of each, to the point half
 /// way between the places that the poses after give them. Where the poses fulfil the loop exactly this is

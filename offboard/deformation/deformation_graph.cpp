@@ -50,7 +50,8 @@ bool DeformationGraph::is_identity() const {
 }
 
 bool is_usable(const StampedPose& before, const Pose& after) {
-  return before.status == TrackingStatus::kGood && is_valid_pose(before.T_odom_camera) && is_valid_pose(after);
+  return before.status == TrackingStatus::kGood && is_valid_pose(before.T_odom_camera) &&
+         is_valid_pose(after);
 }
 
 DeformationGraph build_deformation_graph(const Trajectory& before, std::span<const Pose> after,

@@ -14,10 +14,10 @@ namespace kt {
 
 /// How a map is bent into place. Letters in brackets are those of the paper.
 struct DeformationConfig {
-  double node_spacing_m = 0.4;     ///< a node stands this far from the last one
-  double node_ahead_m = 1.0;       ///< nodes stand so far in front of the camera, where it looks; 0: in it
+  double node_spacing_m = 0.2;     ///< a node stands this far from the last one
+  double node_ahead_m = 1.5;       ///< nodes stand so far in front of the camera, where it looks; 0: in it
   int neighbours = 4;              ///< [k] nodes that move a vertex, and neighbours of a node; even, 2 to 8
-  int look_back = 40;              ///< nodes among which those of a vertex are sought, more than neighbours
+  int look_back = 20;              ///< nodes among which those of a vertex are sought, more than neighbours
   double rotation_weight = 1;      ///< [w_rot]
   double regularity_weight = 10;   ///< [w_reg]
   double constraint_weight = 100;  ///< [w_conP]
@@ -41,7 +41,7 @@ struct DeformationNode {
 
 struct DeformationGraph {
   DeformationConfig config;
-  std::vector<DeformationNode> nodes;    ///< ascending by pose_sequence
+  std::vector<DeformationNode> nodes;     ///< ascending by pose_sequence
   std::vector<std::array<int, 2>> edges;  ///< {l, k} for each neighbour k of each node l, ascending
 
   /// Whether it leaves every point where it is.
@@ -52,8 +52,10 @@ struct DeformationGraph {
 /// both of them rigid and finite.
 bool is_usable(const StampedPose& before, const Pose& after);
 
-/// Samples nodes along the usable poses (Whelan et al. 2013, incremental sampling): the first, and each that
-/// is farther than node_spacing_m from the last one taken. Neighbours are those next in time, half before and
+/// Samples nodes along the usable poses (Whelan et al. 2013, incremental sampling): the first, and each whose
+/// node would stand farther than node_spacing_m from the last one taken. Nodes stand where the camera looks:
+/// so a turn on the spot has nodes, and a vertex hangs on the poses from which it was seen, not on those at
+/// which the camera later passed it by. Neighbours are those next in time, half before and
 /// half after; towards the ends of the path the first or last neighbours + 1 nodes are joined among
 /// themselves. Two passes of one place share no edge, so they are free to come together.
 ///

@@ -116,7 +116,8 @@ DeformationEnergy DeformationProblem::energy(const Eigen::VectorXd& x) const {
     if (!constraints_[i].is_surface) {
       energy.cameras += config.constraint_weight * s * s;
     } else {
-      const double loss = s <= config.huber_m ? s * s : 2 * config.huber_m * s - config.huber_m * config.huber_m;
+      const double loss =
+          s <= config.huber_m ? s * s : 2 * config.huber_m * s - config.huber_m * config.huber_m;
       energy.surface += config.constraint_weight * loss;
     }
   }
@@ -146,14 +147,14 @@ DeformationProblem::Linearisation DeformationProblem::linearise(const Eigen::Vec
     const auto [l, k] = edge;
     result.residuals.segment<3>(row) = w_reg * edge_residual(x, edge);
     add_affine(entries, row, l,
-               graph_.nodes[static_cast<size_t>(k)].g_odom - graph_.nodes[static_cast<size_t>(l)].g_odom, w_reg);
+               graph_.nodes[static_cast<size_t>(k)].g_odom - graph_.nodes[static_cast<size_t>(l)].g_odom,
+               w_reg);
     for (int r = 0; r < 3; ++r) entries.emplace_back(row + r, 12 * k + 4 * r + 3, -w_reg);
     row += 3;
   }
   for (size_t i = 0; i < constraints_.size(); ++i) {
     const Eigen::Vector3d residual = constraint_residual(x, i);
-    const double w_con =
-        std::sqrt(config.constraint_weight * huber_factor(constraints_[i], residual.norm()));
+    const double w_con = std::sqrt(config.constraint_weight * huber_factor(constraints_[i], residual.norm()));
     result.residuals.segment<3>(row) = w_con * residual;
     for (size_t b = 0; b < static_cast<size_t>(blends_[i].count); ++b) {
       const int j = blends_[i].node[b];

@@ -21,11 +21,12 @@ struct DeformationEnergy {
   double total() const { return rotation + regularity + cameras + surface; }
 };
 
-/// E(x) = w_rot E_rot + w_reg E_reg + w_con E_con (the paper's eq. 9) over the unknowns x of n nodes, 12 each:
-/// for each row r of a node [R(r,0), R(r,1), R(r,2), t(r)].
+/// E(x) = w_rot E_rot + w_reg E_reg + w_con E_con (the paper's eq. 9) over the unknowns x of n nodes, 12
+/// each: for each row r of a node [R(r,0), R(r,1), R(r,2), t(r)].
 ///
 /// Residuals, each times the root of its weight, in the order of the rows:
-/// - 6 per node, with c_i the columns of R: c_i . c_i - 1, and sqrt(2) c_i . c_j, so that the sum of squares is
+/// - 6 per node, with c_i the columns of R: c_i . c_i - 1, and sqrt(2) c_i . c_j, so that the sum of squares
+/// is
 ///   the Frobenius norm |R^T R - I|^2;
 /// - 3 per edge {l, k}: R_l (g_k - g_l) + g_l + t_l - (g_k + t_k);
 /// - 3 per constraint: sum_j w_j (R_j (p - g_j) + g_j + t_j) - p_world.

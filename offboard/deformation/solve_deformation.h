@@ -10,13 +10,13 @@ namespace kt {
 
 struct DeformationReport {
   int nodes = 0;
-  int constraints = 0;          ///< finite ones
-  DeformationEnergy before;     ///< where the nodes stood: at the motions of their poses
-  DeformationEnergy after;      ///< of what was found, be it accepted or not
-  int iterations = 0;           ///< that lowered the energy
-  bool converged = false;       ///< it would have changed too little to go on
-  double largest_stretch = 0;   ///< of the edges: |length after - before| / max(length before, node_spacing_m)
-  bool accepted = true;         ///< largest_stretch is at most max_stretch
+  int constraints = 0;         ///< finite ones
+  DeformationEnergy before;    ///< where the nodes stood: at the motions of their poses
+  DeformationEnergy after;     ///< of what was found, be it accepted or not
+  int iterations = 0;          ///< that lowered the energy
+  bool converged = false;      ///< it would have changed too little to go on
+  double largest_stretch = 0;  ///< of the edges: |length after - before| / max(length before, node_spacing_m)
+  bool accepted = true;        ///< largest_stretch is at most max_stretch
 };
 
 /// Moves the nodes of `graph` to where its energy over `constraints` is least: Gauss-Newton with a sparse

@@ -11,9 +11,8 @@ namespace {
 // Index of the node nearest in time, the earlier of equals; of at least one.
 int nearest_in_time(const std::vector<DeformationNode>& nodes, int64_t pose_sequence) {
   const auto after =
-      std::lower_bound(nodes.begin(), nodes.end(), pose_sequence, [](const DeformationNode& node, int64_t s) {
-        return node.pose_sequence < s;
-      });
+      std::lower_bound(nodes.begin(), nodes.end(), pose_sequence,
+                       [](const DeformationNode& node, int64_t s) { return node.pose_sequence < s; });
   if (after == nodes.begin()) return 0;
   const auto index = static_cast<int>(after - nodes.begin());
   if (after == nodes.end()) return index - 1;
