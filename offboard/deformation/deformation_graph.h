@@ -14,10 +14,10 @@ namespace kt {
 
 /// How a map is bent into place. Letters in brackets are those of the paper.
 struct DeformationConfig {
-  double node_spacing_m = 0.2;     ///< a node stands this far from the last one
+  double node_spacing_m = 0.4;     ///< a node stands this far from the last one
   double node_ahead_m = 1.5;       ///< nodes stand so far in front of the camera, where it looks; 0: in it
   int neighbours = 4;              ///< [k] nodes that move a vertex, and neighbours of a node; even, 2 to 8
-  int look_back = 20;              ///< nodes among which those of a vertex are sought, more than neighbours
+  int look_back = 10;              ///< nodes among which those of a vertex are sought, more than neighbours
   double rotation_weight = 1;      ///< [w_rot]
   double regularity_weight = 10;   ///< [w_reg]
   double constraint_weight = 100;  ///< [w_conP]
