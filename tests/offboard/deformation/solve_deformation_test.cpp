@@ -148,6 +148,30 @@ TEST(SolveDeformation, RejectsWhatTearsThePathApart) {
   EXPECT_TRUE(solution.graph.is_identity());
 }
 
+TEST(SolveDeformation, NeverEndsWorseThanItBegan) {
+  const std::vector<Pose> after = test::straight_path(200);
+  const Trajectory before = test::trajectory_of(test::arc_path(200, 0.1));
+  DeformationConfig config;
+  config.node_ahead_m = config.camera_arm_m = 0;  // the less is determined, the worse the steps
+  config.max_stretch = 1e6;
+  const auto constraints = camera_constraints(before, after, config);
+  int taken_back = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    DeformationGraph graph = build_deformation_graph(before, after, config);
+    for (size_t i = 0; i < graph.nodes.size(); ++i) {  // far from any rotation
+      for (int c = 0; c < 3; ++c)
+        graph.nodes[i].R.col(c) =
+            0.1 * test::random_point(static_cast<uint64_t>(trial), static_cast<int64_t>(3 * i) + c);
+    }
+    const DeformationReport report = solve(graph, constraints);
+    EXPECT_LE(report.after.total(), report.before.total());
+    taken_back += report.iterations < config.max_iterations && !report.converged;
+    const DeformationProblem problem(graph, constraints);
+    EXPECT_NEAR(problem.energy(problem.unknowns_of(graph)).total(), report.after.total(), 1e-9);
+  }
+  EXPECT_GT(taken_back, 0);
+}
+
 TEST(SolveDeformation, WithoutNodesOrConstraintsDoesNothing) {
   DeformationGraph empty;
   const DeformationReport nothing = solve(empty, {});
