@@ -8,7 +8,6 @@
 
 #include "offboard/deformation/deform.h"
 #include "tests/offboard/deformation/made_paths.h"
-#include "tools/bench/bent_mission.h"
 
 namespace kt {
 namespace {
@@ -99,23 +98,6 @@ TEST(SolveDeformation, FindsTheSameFromTheIdentity) {
   EXPECT_NEAR(report.after.total(), expected.report.after.total(), 1e-4 * report.after.total());
   for (size_t i = 0; i < graph.nodes.size(); ++i)
     EXPECT_LT((graph.nodes[i].t - expected.graph.nodes[i].t).norm(), 0.005);
-}
-
-TEST(SolveDeformation, BringsARingTogether) {
-  const bench::BentMission mission = bench::make_bent_mission({});
-  ASSERT_GT(mission.loops.size(), 5u);
-  Surface surface{mission.vertices, mission.true_points};
-  EXPECT_GT(largest_error_m(surface), 2);
-  DeformationGraph graph = build_deformation_graph(mission.before, mission.after);
-  std::vector<PointConstraint> constraints = camera_constraints(mission.before, mission.after, {});
-  const auto loops = surface_constraints(mission.before, mission.after, mission.loops);
-  constraints.insert(constraints.end(), loops.begin(), loops.end());
-  const DeformationReport report = solve(graph, constraints);
-  EXPECT_TRUE(report.converged);
-  EXPECT_LT(report.after.surface, report.before.surface);
-  EXPECT_LT(report.largest_stretch, 0.1);
-  deform(graph, surface.vertices);
-  EXPECT_LT(largest_error_m(surface), 0.1);
 }
 
 TEST(SolveDeformation, PosesThatDidNotChangeLeaveEveryBit) {
