@@ -18,7 +18,7 @@ enum class GraphResidual {
 struct LeastSquaresOptions {
   GraphResidual residual = GraphResidual::kSe3;
   int max_iterations = 100;
-  double relative_tolerance = 1e-10;  ///< stop where a step lowers the objective by less than this share
+  double relative_tolerance = 1e-9;  ///< stop where a step lowers the objective by less than this share
 };
 
 struct LeastSquaresResult {
