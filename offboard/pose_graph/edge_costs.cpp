@@ -68,8 +68,8 @@ Matrix6d inverse_left_jacobian(const Vector6d& xi) {
   const Eigen::Matrix3d W = skew(w), V = skew(v), J = inverse_left_jacobian_so3(w);
   const auto [a, b, c] = coupling_coefficients(w.squaredNorm());
   const Eigen::Matrix3d WV = W * V, VW = V * W, WVW = WV * W;
-  const Eigen::Matrix3d Q = 0.5 * V + a * (WV + VW + WVW) + b * (W * WV + VW * W - 3 * WVW) +
-                            c * (WVW * W + W * WVW);
+  const Eigen::Matrix3d Q =
+      0.5 * V + a * (WV + VW + WVW) + b * (W * WV + VW * W - 3 * WVW) + c * (WVW * W + W * WVW);
   Matrix6d result = Matrix6d::Zero();
   result.topLeftCorner<3, 3>() = result.bottomRightCorner<3, 3>() = J;
   result.bottomLeftCorner<3, 3>() = -J * Q * J;
@@ -138,10 +138,11 @@ bool ChordalCost::Evaluate(double const* const* poses, double* residuals, double
   Eigen::Map<Eigen::Vector3d>{residuals} = sqrt_8_kappa_ * q.vec();
   Eigen::Map<Eigen::Vector3d>{residuals + 3} = sqrt_tau_ * (T_i_j.translation() - T_from_to_.translation());
   if (!jacobians) return true;
-  // A left perturbation w, v of j multiplies q from the left by (1, R_i^T w / 2) and moves t_j by w x t_j + v.
+  // A left perturbation w, v of j multiplies q from the left by (1, R_i^T w / 2) and moves t_j by w x t_j +
+  // v.
   Matrix6d by_to = Matrix6d::Zero();
-  by_to.topLeftCorner<3, 3>() = sqrt_8_kappa_ / 2 *
-                                (q.w() * Eigen::Matrix3d::Identity() - skew(q.vec())) * T_i_world.linear();
+  by_to.topLeftCorner<3, 3>() =
+      sqrt_8_kappa_ / 2 * (q.w() * Eigen::Matrix3d::Identity() - skew(q.vec())) * T_i_world.linear();
   by_to.bottomLeftCorner<3, 3>() = -sqrt_tau_ * T_i_world.linear() * skew(T_world_j.translation());
   by_to.bottomRightCorner<3, 3>() = sqrt_tau_ * T_i_world.linear();
   write_jacobians(by_to, jacobians);

@@ -1,4 +1,5 @@
-// The two residuals of an edge as Ceres cost functions, with their Jacobians and the manifold that goes with them.
+// The two residuals of an edge as Ceres cost functions, with their Jacobians and the manifold that goes with
+// them.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -9,8 +10,8 @@
 
 namespace kt {
 
-/// A pose as Ceres sees it: the columns of R, then t. Only plain doubles cross to Ceres, whose library has been
-/// compiled with another Eigen configuration.
+/// A pose as Ceres sees it: the columns of R, then t. Only plain doubles cross to Ceres, whose library has
+/// been compiled with another Eigen configuration.
 inline constexpr int kPoseParameters = 12;
 void write_parameters(const Pose& T, double* parameters);
 Pose pose_of_parameters(const double* parameters);

@@ -33,7 +33,8 @@ std::unordered_map<int64_t, int> index_of_ids(const PoseGraph& graph) {
 int find_node(const std::unordered_map<int64_t, int>& index, int64_t id, const PoseGraph::Edge& edge) {
   const auto found = index.find(id);
   if (found == index.end()) {
-    throw Error("pose graph: " + name_of(edge) + " needs node " + std::to_string(id) + ", which is not there");
+    throw Error("pose graph: " + name_of(edge) + " needs node " + std::to_string(id) +
+                ", which is not there");
   }
   return found->second;
 }

@@ -1,4 +1,5 @@
-// A pose graph made ready to be solved: ids resolved to indices, everything checked, its connected components.
+// A pose graph made ready to be solved: ids resolved to indices, everything checked, its connected
+// components.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,9 +11,10 @@
 
 namespace kt {
 
-/// One number for rotation and one for translation in place of an information matrix: kappa = 3 / (2 tr(I_R^-1)),
-/// tau = 3 / tr(I_t^-1), where I_t and I_R are the diagonal blocks of the information in g2o's convention, of
-/// translation and of the quaternion's vector part (SE-Sync, Rosen et al. 2019, and its files).
+/// One number for rotation and one for translation in place of an information matrix: kappa = 3 / (2
+/// tr(I_R^-1)), tau = 3 / tr(I_t^-1), where I_t and I_R are the diagonal blocks of the information in g2o's
+/// convention, of translation and of the quaternion's vector part (SE-Sync, Rosen et al. 2019, and its
+/// files).
 struct ChordalWeights {
   double kappa = 0;  ///< of |R_j - R_i R_ij|_F^2
   double tau = 0;    ///< of |t_j - t_i - R_i t_ij|^2 (1/m^2)
@@ -40,10 +42,10 @@ struct IndexedGraph {
 inline constexpr double kInformationFloor = 1e-12;
 
 /// `loop_edges` are indices of edges that may be false. Throws kt::Error naming the node or edge: a pose that
-/// is none, an id given twice or missing, an edge from a node to itself, information that is not finite or has
-/// no positive direction; KT_CHECK on an index beyond the edges. Published files hold indefinite information
-/// (cubicle.g2o): what is negative of it becomes the floor below, and the edge says so. Its chordal weights
-/// still come from the diagonal blocks as given, where these are positive definite.
+/// is none, an id given twice or missing, an edge from a node to itself, information that is not finite or
+/// has no positive direction; KT_CHECK on an index beyond the edges. Published files hold indefinite
+/// information (cubicle.g2o): what is negative of it becomes the floor below, and the edge says so. Its
+/// chordal weights still come from the diagonal blocks as given, where these are positive definite.
 IndexedGraph indexed(const PoseGraph& graph, std::span<const size_t> loop_edges = {});
 
 /// Edges that are not between nodes consecutive in the order of graph.nodes: what files that do not tell

@@ -81,6 +81,13 @@ OdometryForest::Motion OdometryForest::between(int from, int to) const {
   return {T_from_root * T_root_node_[to], from_root * in_root * from_root.transpose()};
 }
 
+bool OdometryForest::is_near(int a, int b, double reach) const {
+  if (tree_[a] != tree_[b]) return false;
+  const Pose &T_root_a = T_root_node_[a], &T_root_b = T_root_node_[b];
+  if ((T_root_a.translation() - T_root_b.translation()).norm() >= reach) return false;
+  return movement(T_root_a.inverse(Eigen::Isometry) * T_root_b) < reach;
+}
+
 double squared_sigmas(const IndexedEdge& edge, const OdometryForest::Motion& motion) {
   const Vector6d e = log_se3(motion.T_from_to * edge.T_from_to.inverse(Eigen::Isometry));
   const Matrix6d covariance = motion.covariance + edge.information.llt().solve(Matrix6d::Identity());

@@ -1,4 +1,5 @@
-// What odometry alone says of the motion between two nodes, and how well: one path between them, with its covariance.
+// What odometry alone says of the motion between two nodes, and how well: one path between them, with its
+// covariance.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -9,12 +10,12 @@
 
 namespace kt {
 
-/// A spanning tree of every set of nodes that the chosen edges hold together, breadth first from the set's first
-/// node. Covariances of edges add up along it to first order, so that a query costs O(log nodes).
+/// A spanning tree of every set of nodes that the chosen edges hold together, breadth first from the set's
+/// first node. Covariances of edges add up along it to first order, so that a query costs O(log nodes).
 class OdometryForest {
  public:
-  /// `covariance_scale`, one per edge, multiplies the inverse of its information; the edge is left out where it
-  /// is 0.
+  /// `covariance_scale`, one per edge, multiplies the inverse of its information; the edge is left out where
+  /// it is 0.
   OdometryForest(const IndexedGraph& graph, std::span<const double> covariance_scale);
 
   /// Number of the tree that holds `node`, from 0 in the order of their first nodes.
@@ -27,6 +28,9 @@ class OdometryForest {
   /// Both nodes must be of one tree.
   Motion between(int from, int to) const;
 
+  /// Whether both are of one tree and less than `reach` apart (movement(), m + rad).
+  bool is_near(int a, int b, double reach) const;
+
  private:
   int common_ancestor(int a, int b) const;
 
@@ -36,8 +40,8 @@ class OdometryForest {
   std::vector<Matrix6d> covariance_;  ///< of the left perturbation of T_root_node
 };
 
-/// log of how far `edge` is from `motion` between its two nodes, squared and divided by the covariances of both:
-/// chi-square of 6 degrees of freedom where both are right.
+/// log of how far `edge` is from `motion` between its two nodes, squared and divided by the covariances of
+/// both: chi-square of 6 degrees of freedom where both are right.
 double squared_sigmas(const IndexedEdge& edge, const OdometryForest::Motion& motion);
 
 }  // namespace kt

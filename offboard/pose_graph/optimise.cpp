@@ -14,7 +14,7 @@ OptimisedGraph optimise(const PoseGraph& graph, std::span<const size_t> loop_edg
   loops.outcome.assign(graph.edges.size(), LoopOutcome::kAccepted);
   OptimisedGraph result;
   if (options.robustness == LoopRobustness::kGnc && !loop_edges.empty()) {
-    loops = decide_loops(indexed_graph, result.T_world_node);
+    loops = decide_loops(indexed_graph);
   }
   result.T_world_node = chordal_initialisation(indexed_graph, loops.weight);
   const LeastSquaresResult solved =
@@ -31,6 +31,7 @@ OptimisedGraph optimise(const PoseGraph& graph, std::span<const size_t> loop_edg
   result.objective_before = solved.objective_before;
   result.objective_after = solved.objective_after;
   result.odometry_scale = loops.odometry_scale;
+  result.loop_scale = loops.loop_scale;
   result.iterations = solved.iterations;
   result.solves = loops.solves + 1;
   result.converged = solved.converged;

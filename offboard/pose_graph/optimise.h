@@ -29,22 +29,24 @@ struct OptimisedEdge {
 struct OptimisedGraph {
   std::vector<Pose> T_world_node;    ///< in the order of graph.nodes
   std::vector<OptimisedEdge> edges;  ///< in the order of graph.edges
-  /// Nodes held together by odometry and accepted loops; of different components nobody knows how they stand to
-  /// each other, and an edge between them has no meaningful chi2.
+  /// Nodes held together by odometry and accepted loops; of different components nobody knows how they stand
+  /// to each other, and an edge between them has no meaningful chi2.
   Components components;
   double objective_before = 0;  ///< at the chordal start of the last solve, accepted edges only
   double objective_after = 0;
-  double odometry_scale = 1;  ///< of its covariance, as measured by the loops; the objective does not use it
-  int iterations = 0;         ///< of the last solve
-  int solves = 1;             ///< least squares problems, those of decide_loops() among them
-  int repaired_edges = 0;     ///< whose information was indefinite, see indexed()
+  /// Factors on the covariances of odometry and loops, as decide_loops() measured them; the objective has
+  /// them not.
+  double odometry_scale = 1, loop_scale = 1;
+  int iterations = 0;      ///< of the last solve
+  int solves = 1;          ///< least squares problems, those of decide_loops() among them
+  int repaired_edges = 0;  ///< whose information was indefinite, see indexed()
   bool converged = true;
 };
 
-/// Minimises the sum of squares of `options.residual` over all poses, from a chordal start; `loop_edges` are the
-/// indices of edges that may be false, all others are odometry and always count in full. Each component keeps the
-/// pose of its anchor: the first fixed node, else the first. The result depends on nothing but the arguments.
-/// Throws kt::Error where the graph is not well formed (see indexed()) or the solver fails.
+/// Minimises the sum of squares of `options.residual` over all poses, from a chordal start; `loop_edges` are
+/// the indices of edges that may be false, all others are odometry and always count in full. Each component
+/// keeps the pose of its anchor: the first fixed node, else the first. The result depends on nothing but the
+/// arguments. Throws kt::Error where the graph is not well formed (see indexed()) or the solver fails.
 OptimisedGraph optimise(const PoseGraph& graph, std::span<const size_t> loop_edges,
                         const PoseGraphOptions& options);
 

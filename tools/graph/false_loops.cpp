@@ -64,8 +64,7 @@ PoseGraph with_false_loops(const PoseGraph& graph, const FalseLoops& options) {
     const size_t i = draw.below(nodes - group + 1), j = draw.below(nodes - group + 1);
     if (std::max(i, j) - std::min(i, j) <= group) continue;
     const PoseGraph::Edge& pattern = graph.edges[loops[draw.below(loops.size())]];
-    const Pose T_i_j =
-        options.kind == FalseLoopKind::kAlias ? pattern.T_from_to : random_pose(draw, radius);
+    const Pose T_i_j = options.kind == FalseLoopKind::kAlias ? pattern.T_from_to : random_pose(draw, radius);
     for (size_t k = 0; k < group && added < wanted; ++k, ++added) {
       const PoseGraph::Node &from = graph.nodes[i + k], &to = graph.nodes[j + k];
       // From node to the first of its stretch, across, and on to the other node.

@@ -10,8 +10,8 @@ namespace kt {
 
 enum class FalseLoopKind {
   kRandom,  ///< random pairs of nodes with random relative poses, up to half the graph's extent
-  /// Places that look alike: groups of kAliasGroup loops between two random stretches, with the relative pose of
-  /// a true loop, each consistent with the others and the node poses.
+  /// Places that look alike: groups of kAliasGroup loops between two random stretches, with the relative pose
+  /// of a true loop, each consistent with the others and the node poses.
   kAlias,
 };
 inline constexpr int kAliasGroup = 5;
@@ -22,8 +22,8 @@ struct FalseLoops {
   uint64_t seed = 1;
 };
 
-/// `graph` with false loops appended to its edges, with the information of true ones. True loops are the edges
-/// between nodes that are not consecutive. Throws kt::Error where it has none, or too few nodes.
+/// `graph` with false loops appended to its edges, with the information of true ones. True loops are the
+/// edges between nodes that are not consecutive. Throws kt::Error where it has none, or too few nodes.
 PoseGraph with_false_loops(const PoseGraph& graph, const FalseLoops& options);
 
 }  // namespace kt
