@@ -1,18 +1,45 @@
 // kintsugi-map: turns the log of a mission into a map.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdio>
+#include <map>
 
 #include "offboard/app/make_map.h"
+#include "onboard/source/frame_source.h"
 #include "shared/cli/program.h"
 #include "shared/cli/progress_line.h"
 
 int main(int argc, char** argv) {
   kt::MapOptions options;
+  std::string device = "auto";
+  int threads = 0;
+  const std::map<std::string, kt::LoopSource> loop_sources{
+      {"search", kt::LoopSource::kSearch}, {"log", kt::LoopSource::kLog}, {"none", kt::LoopSource::kNone}};
+  const std::map<std::string, kt::SurfaceChoice> surfaces{{"auto", kt::SurfaceChoice::kAuto},
+                                                          {"slices", kt::SurfaceChoice::kSlices},
+                                                          {"frames", kt::SurfaceChoice::kFrames}};
   CLI::App app("Turns the log of a mission into map.ply, trajectory.txt, poses.g2o and report.json.",
                "kintsugi-map");
   app.add_option("log", options.log, "log written by kintsugi-collect")->required();
   app.add_option("--output,-o", options.output, "folder to write to; made where it is missing")->required();
+  app.add_option("--loops", options.placement.loops,
+                 "loop closures: search among all keyframes, those in the log, or none")
+      ->transform(CLI::CheckedTransformer(loop_sources).description("{search,log,none}"))
+      ->default_str("search");
+  app.add_option(
+         "--surface", options.surface,
+         "frames: all frames fused anew at their optimised poses; slices: the collector's, bent to where the "
+         "poses are; auto: frames where the log or --frames has them")
+      ->transform(CLI::CheckedTransformer(surfaces).description("{auto,slices,frames}"))
+      ->default_str("auto");
+  app.add_option("--frames", options.frames,
+                 "the recording that the log was made from: " + kt::joined(kt::source_specs()));
+  app.add_option("--voxel-size", options.voxel_size_m, "of the surface fused anew (m); 0: the collector's")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--device,-d", device, "where frames are fused: auto, cpu or cuda")->capture_default_str();
+  app.add_option("--threads,-t", threads, "of the CPU; 0: one per core")->check(CLI::Range(0, 1024));
   return kt::run_program(app, argc, argv, [&] {
+    options.device = kt::exec::Device::from_name(device, threads);
+    options.placement.threads = threads;
     kt::ProgressLine progress;
     const auto show = [&progress](const std::string& step, double share) { progress.show(share, step); };
     std::fputs(kt::make_map(options, show).c_str(), stdout);

@@ -1,17 +1,18 @@
-// Load, weld, write; segment by segment.
+// Load, place, map, write; group by group.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/app/make_map.h"
 
+#include <algorithm>
 #include <chrono>
+#include <memory>
 #include <sys/resource.h>
 #include <utility>
 
+#include "offboard/app/group_surface.h"
 #include "offboard/app/segment_folders.h"
-#include "offboard/map/weld.h"
 #include "offboard/report/map_report.h"
 #include "offboard/session/integrity_report.h"
 #include "offboard/session/load_session.h"
-#include "offboard/session/segments.h"
 #include "shared/core/check.h"
 #include "shared/io/file.h"
 
@@ -49,20 +50,41 @@ class Steps {
   std::vector<std::pair<std::string, double>> times_s_;
 };
 
-// Slices are welded within their segment only. What has neither good frames nor surface is not written.
-std::vector<SegmentMap> weld_each(std::vector<Segment> segments, size_t main) {
-  std::vector<SegmentMap> maps;
-  for (Segment& segment : segments) {
-    Mesh map = weld(segment.slices);
-    std::string folder;
-    if (maps.size() == main) {
-      folder = ".";
-    } else if (segment.good_frames() > 0 || !map.triangles.empty()) {
-      folder = segment_folder(segment.number);
-    }
-    maps.push_back({std::move(segment), std::move(map), std::move(folder)});
+// Whose frames are fused anew; null where the slices serve.
+std::unique_ptr<FrameSource> frames_of(const MapOptions& options) {
+  if (options.surface == SurfaceChoice::kSlices) return nullptr;
+  if (!options.frames.empty()) return open_source(options.frames);
+  std::unique_ptr<FrameSource> source;
+  try {
+    source = open_source("lcm-log:" + options.log.string());
+  } catch (const Error&) {  // it holds no frames
   }
-  return maps;
+  if (!source && options.surface == SurfaceChoice::kFrames) {
+    throw Error(options.log.string() +
+                " holds no raw frames: record with --record-raw, or name the recording with --frames");
+  }
+  return source;
+}
+
+double voxel_size_of(const MapOptions& options, const Session& session) {
+  if (options.voxel_size_m > 0) return options.voxel_size_m;
+  return session.slices.empty() ? VolumeConfig{}.voxel_size_m : session.slices.front().voxel_size_m;
+}
+
+Mesh surface_of(Group& group, double voxel_size_m, const MapOptions& options,
+                const std::function<void(double)>& tell, SurfaceSource* made_of) {
+  const std::unique_ptr<FrameSource> frames = group.good_frames() > 0 ? frames_of(options) : nullptr;
+  *made_of = frames ? SurfaceSource::kFrames : SurfaceSource::kSlices;
+  if (!frames) return surface_of_slices(group);
+  ReintegrationConfig config;
+  config.volume.voxel_size_m = voxel_size_m;
+  return surface_of_frames(group, *frames, options.device, config, options.output / "bricks.tmp", tell);
+}
+
+// What has neither good frames nor surface is not written.
+std::string folder_of(const GroupMap& map, bool is_main) {
+  if (is_main) return ".";
+  return map.group.good_frames() > 0 || !map.map.triangles.empty() ? segment_folder(map.group.number()) : "";
 }
 
 std::string size_text(const Mesh& map) {
@@ -70,26 +92,34 @@ std::string size_text(const Mesh& map) {
          " triangles";
 }
 
+std::string loops_text(const PlacedMission& placed) {
+  size_t believed = 0;
+  for (const size_t edge : placed.measured.loop_edges) believed += placed.solution.edges[edge].weight > 0;
+  return std::to_string(believed) + " of " + std::to_string(placed.measured.loop_edges.size()) +
+         " proved closures believed, " + std::to_string(placed.candidates.size()) + " places compared";
+}
+
 // A line for each where there are several.
-std::string segments_text(const std::vector<SegmentMap>& maps) {
+std::string groups_text(const std::vector<GroupMap>& maps) {
   if (maps.size() == 1) return {};
   std::string text =
       std::to_string(maps.size()) + " segments, not joined: how they stand to each other is not known\n";
-  for (const auto& [segment, map, folder] : maps) {
-    text += "  segment " + std::to_string(segment.number) + ": " + std::to_string(segment.trajectory.size()) +
-            " poses, " + std::to_string(segment.good_frames()) + " good, " + size_text(map) + "; ";
-    text += (folder.empty() ? "not written" : "in " + folder) + "\n";
+  for (const GroupMap& map : maps) {
+    text += "  segment " + std::to_string(map.group.number()) + ": " +
+            std::to_string(map.group.trajectory().size()) + " poses, " +
+            std::to_string(map.group.good_frames()) + " good, " + size_text(map.map) + "; ";
+    text += (map.folder.empty() ? "not written" : "in " + map.folder) + "\n";
   }
   return text;
 }
 
-std::string summary(const Session& session, const std::vector<SegmentMap>& maps, size_t main,
-                    const MapOptions& options) {
-  return "log:  " + integrity_text(session.integrity) + "\nmap:  " + size_text(maps[main].map) + " from " +
-         std::to_string(maps[main].segment.slices.size()) +
-         " slices\npath: " + std::to_string(maps[main].segment.trajectory.size()) + " poses\nwritten to " +
-         options.output.string() + ": map.ply, trajectory.txt, poses.g2o, report.json\n" +
-         segments_text(maps);
+std::string summary(const Session& session, const PlacedMission& placed, const std::vector<GroupMap>& maps,
+                    size_t main, const MapOptions& options) {
+  return "log:  " + integrity_text(session.integrity) + "\nloops: " + loops_text(placed) +
+         "\nmap:  " + size_text(maps[main].map) + " from " +
+         (maps[main].surface == SurfaceSource::kFrames ? "all frames" : "the collector's slices") +
+         "\npath: " + std::to_string(maps[main].group.trajectory().size()) + " poses\nwritten to " +
+         options.output.string() + ": map.ply, trajectory.txt, poses.g2o, report.json\n" + groups_text(maps);
 }
 
 }  // namespace
@@ -103,21 +133,35 @@ std::string make_map(const MapOptions& options, const StepProgress& progress) {
                 "--input lcm-log:" + options.log.string() + " first");
   }
   create_folder(options.output);
-  std::vector<Segment> segments = take_segments(session);
-  const size_t main = main_segment(segments);
-  const std::vector<SegmentMap> maps =
-      steps.run("weld", [&](const auto&) { return weld_each(std::move(segments), main); });
+  const PlacedMission placed =
+      steps.run("place", [&](const auto& tell) { return place_mission(session, options.placement, tell); });
+  const double voxel_size_m = voxel_size_of(options, session);
+  std::vector<Group> groups = take_groups(session, placed);
+  const size_t main = main_group(groups);
+  const std::vector<GroupMap> maps = steps.run("surface", [&](const auto& tell) {
+    std::vector<GroupMap> made;
+    for (size_t i = 0; i < groups.size(); ++i) {
+      const auto tell_of_group = [&](double share) {
+        tell((static_cast<double>(i) + share) / static_cast<double>(groups.size()));
+      };
+      GroupMap& map = made.emplace_back();
+      map.map = surface_of(groups[i], voxel_size_m, options, tell_of_group, &map.surface);
+      map.group = std::move(groups[i]);
+      map.folder = folder_of(map, i == main);
+    }
+    return made;
+  });
   steps.run("write", [&](const auto& tell) {
     remove_segment_folders(options.output);
     for (size_t i = 0; i < maps.size(); ++i) {
-      if (!maps[i].folder.empty()) write_segment(options.output, maps[i], session.loop_closures);
+      if (!maps[i].folder.empty()) write_group(options.output, maps[i], placed);
       tell(static_cast<double>(i + 1) / static_cast<double>(maps.size()));
     }
     return true;
   });
   const RunFigures run{options.log.string(), steps.times_s(), peak_memory_bytes()};
-  write_file(options.output / "report.json", map_report(session, maps, main, run));
-  return summary(session, maps, main, options);
+  write_file(options.output / "report.json", map_report(session, placed, maps, main, run));
+  return summary(session, placed, maps, main, options);
 }
 
 }  // namespace kt

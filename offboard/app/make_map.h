@@ -6,17 +6,32 @@
 #include <functional>
 #include <string>
 
-namespace kt {
+#include "offboard/placement/place_mission.h"
+#include "shared/exec/device.h"
 
-struct MapOptions {
-  std::filesystem::path log;
-  std::filesystem::path output;  ///< folder, made where it is missing; files of earlier runs are replaced
-};
+namespace kt {
 
 /// Is told what happens: the name of a step, and its share done in [0, 1].
 using StepProgress = std::function<void(const std::string& step, double share)>;
 
-/// Writes map.ply, trajectory.txt and poses.g2o of the main segment (main_segment) and report.json to
+/// What the surface is made of.
+enum class SurfaceChoice {
+  kAuto,    ///< frames where there are any, else slices
+  kSlices,  ///< the collector's cloud slices, bent to where the optimised poses are
+  kFrames,  ///< all frames, fused anew at their optimised poses
+};
+
+struct MapOptions {
+  std::filesystem::path log;
+  std::filesystem::path output;  ///< folder, made where it is missing; files of earlier runs are replaced
+  PlacementConfig placement;
+  SurfaceChoice surface = SurfaceChoice::kAuto;
+  std::string frames;       ///< where they come from, as open_source takes it; "": the log itself
+  double voxel_size_m = 0;  ///< of the surface fused anew; 0: the collector's
+  exec::Device device = exec::Device::cpu();
+};
+
+/// Writes map.ply, trajectory.txt and poses.g2o of the main group (main_group) and report.json to
 /// options.output; what else has good frames or surface goes to folders segment-N there. Returns a summary of
 /// a few lines for people. Throws kt::Error where the log is no mission, or the output cannot be written.
 std::string make_map(const MapOptions& options, const StepProgress& progress = {});

@@ -7,7 +7,6 @@
 #include <system_error>
 #include <vector>
 
-#include "offboard/report/odometry_graph.h"
 #include "shared/core/check.h"
 #include "shared/io/g2o.h"
 #include "shared/io/ply.h"
@@ -47,13 +46,12 @@ void create_folder(const fs::path& folder) {
   if (error || !fs::is_directory(folder)) fail("create the folder", folder, error);
 }
 
-void write_segment(const fs::path& output, const SegmentMap& map,
-                   std::span<const LoopClosure> loop_closures) {
+void write_group(const fs::path& output, const GroupMap& map, const PlacedMission& placed) {
   const fs::path folder = map.folder == "." ? output : output / map.folder;
   create_folder(folder);
   write_ply(folder / kMap, map.map);
-  write_trajectory(folder / kTrajectory, map.segment.trajectory);
-  write_g2o(folder / kPoses, odometry_graph(map.segment.trajectory, loop_closures));
+  write_trajectory(folder / kTrajectory, map.group.trajectory());
+  write_g2o(folder / kPoses, graph_of(map.group, placed));
 }
 
 void remove_segment_folders(const fs::path& output) {

@@ -3,11 +3,9 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
 #include <string>
 
 #include "offboard/report/map_report.h"
-#include "shared/types/loop_closure.h"
 
 namespace kt {
 
@@ -18,8 +16,7 @@ std::string segment_folder(int number);
 void create_folder(const std::filesystem::path& folder);
 
 /// Writes map.ply, trajectory.txt and poses.g2o to map.folder within `output`, replacing what stands there.
-void write_segment(const std::filesystem::path& output, const SegmentMap& map,
-                   std::span<const LoopClosure> loop_closures);
+void write_group(const std::filesystem::path& output, const GroupMap& map, const PlacedMission& placed);
 
 /// Removes those three files from all segment-N in `output`, and the folders that are empty then. What
 /// somebody else put there stays. Throws kt::Error where a file cannot be removed.

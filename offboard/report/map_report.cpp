@@ -16,12 +16,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json frames_json(std::span<const SegmentMap> segments, int64_t skipped) {
+Json frames_json(std::span<const GroupMap> groups, int64_t skipped) {
   size_t processed = 0;
   std::array<int64_t, 3> by_status{};
-  for (const SegmentMap& map : segments) {
-    processed += map.segment.trajectory.size();
-    for (const StampedPose& pose : map.segment.trajectory) ++by_status[static_cast<size_t>(pose.status)];
+  for (const GroupMap& map : groups) {
+    for (const Segment& segment : map.group.segments) {
+      processed += segment.trajectory.size();
+      for (const StampedPose& pose : segment.trajectory) ++by_status[static_cast<size_t>(pose.status)];
+    }
   }
   Json json = {{"processed", processed}};
   for (const TrackingStatus status :
@@ -39,12 +41,14 @@ Json trajectory_json(const Trajectory& trajectory) {
           {"duration_s", static_cast<double>(duration_us) * 1e-6}};
 }
 
-Json slices_json(std::span<const SegmentMap> segments) {
+Json slices_json(std::span<const GroupMap> groups) {
   size_t count = 0, vertices = 0, triangles = 0;
-  for (const SegmentMap& map : segments) {
-    count += map.segment.slices.size();
-    for (const CloudSlice& slice : map.segment.slices)
-      vertices += slice.vertices.size(), triangles += slice.triangles.size();
+  for (const GroupMap& map : groups) {
+    for (const Segment& segment : map.group.segments) {
+      count += segment.slices.size();
+      for (const CloudSlice& slice : segment.slices)
+        vertices += slice.vertices.size(), triangles += slice.triangles.size();
+    }
   }
   return {{"count", count}, {"vertices", vertices}, {"triangles", triangles}};
 }
@@ -84,24 +88,60 @@ Json loops_json(const std::vector<LoopClosure>& loops) {
           {"funnel", funnel}};
 }
 
-Json segment_json(const SegmentMap& map) {
-  const Trajectory& trajectory = map.segment.trajectory;
+// How far the optimised poses are from where odometry had them, and what became of the closures in it.
+Json optimisation_json(const PlacedMission& placed) {
+  if (!placed.is_optimised()) return nullptr;
+  const OptimisedGraph& solution = placed.solution;
+  Json outcomes = Json::object();
+  for (const LoopOutcome outcome :
+       {LoopOutcome::kAccepted, LoopOutcome::kUnconfirmed, LoopOutcome::kAgainstOdometry,
+        LoopOutcome::kInconsistent, LoopOutcome::kUninformative})
+    outcomes[to_string(outcome)] = 0;
+  for (const size_t edge : placed.measured.loop_edges) {
+    Json& count = outcomes[to_string(solution.edges[edge].outcome)];
+    count = count.get<int64_t>() + 1;
+  }
+  double correction_m = 0, correction_rad = 0;
+  for (size_t i = 0; i < solution.T_world_node.size(); ++i) {
+    const Pose change = placed.measured.graph.nodes[i].T_world_node.inverse() * solution.T_world_node[i];
+    correction_m = std::max(correction_m, change.translation().norm());
+    correction_rad = std::max(correction_rad, rotation_angle(change));
+  }
+  return {{"loops", outcomes},
+          {"objective_before", solution.objective_before},
+          {"objective_after", solution.objective_after},
+          {"iterations", solution.iterations},
+          {"converged", solution.converged},
+          {"odometry_scale", solution.odometry_scale},
+          {"loop_scale", solution.loop_scale},
+          {"largest_correction_m", correction_m},
+          {"largest_correction_rad", correction_rad}};
+}
+
+Json group_json(const GroupMap& map) {
+  const Trajectory trajectory = map.group.trajectory();
   const bool is_empty = trajectory.empty();
-  return {{"number", map.segment.number},
+  Json joined = Json::array();
+  for (const Segment& segment : map.group.segments) {
+    if (segment.number != map.group.number()) joined.push_back(segment.number);
+  }
+  return {{"number", map.group.number()},
+          {"joined", joined},
           {"frames", trajectory.size()},
-          {"good", map.segment.good_frames()},
+          {"good", map.group.good_frames()},
           {"first_us", is_empty ? Json() : Json(trajectory.front().timestamp_us)},
           {"last_us", is_empty ? Json() : Json(trajectory.back().timestamp_us)},
+          {"surface", map.surface == SurfaceSource::kFrames ? "frames" : "slices"},
           {"vertices", map.map.vertices.size()},
           {"triangles", map.map.triangles.size()},
           {"path_length_m", path_length_m(trajectory)},
           {"folder", map.folder.empty() ? Json() : Json(map.folder)}};
 }
 
-Json segments_json(std::span<const SegmentMap> segments, size_t main) {
+Json segments_json(std::span<const GroupMap> groups, size_t main) {
   Json list = Json::array();
-  for (const SegmentMap& map : segments) list.push_back(segment_json(map));
-  return {{"joined", false}, {"main", segments[main].segment.number}, {"list", list}};
+  for (const GroupMap& map : groups) list.push_back(group_json(map));
+  return {{"main", groups[main].group.number()}, {"list", list}};
 }
 
 }  // namespace
@@ -115,8 +155,8 @@ double path_length_m(const Trajectory& trajectory) {
   return length_m;
 }
 
-std::string map_report(const Session& session, std::span<const SegmentMap> segments, size_t main,
-                       const RunFigures& run) {
+std::string map_report(const Session& session, const PlacedMission& placed, std::span<const GroupMap> groups,
+                       size_t main, const RunFigures& run) {
   Json steps;
   for (const auto& [name, seconds] : run.steps_s) steps[name] = seconds;
   const Json report = {
@@ -124,13 +164,15 @@ std::string map_report(const Session& session, std::span<const SegmentMap> segme
       {"calibration", session.header.calibration.name},
       {"start_us", session.header.timestamp_us},
       {"integrity", integrity_json(session.integrity)},
-      {"frames", frames_json(segments, session.last_status.frames_skipped)},
-      {"trajectory", trajectory_json(segments[main].segment.trajectory)},
+      {"frames", frames_json(groups, session.last_status.frames_skipped)},
+      {"trajectory", trajectory_json(groups[main].group.trajectory())},
       {"keyframes", session.keyframes.size()},
-      {"loop_closures", loops_json(session.loop_closures)},
-      {"slices", slices_json(segments)},
-      {"map", map_json(segments[main].map)},
-      {"segments", segments_json(segments, main)},
+      {"loop_closures", loops_json(placed.candidates)},
+      {"loop_closures_of_collector", loops_json(session.loop_closures)},
+      {"optimisation", optimisation_json(placed)},
+      {"slices", slices_json(groups)},
+      {"map", map_json(groups[main].map)},
+      {"segments", segments_json(groups, main)},
       {"run", {{"log", run.log}, {"steps_s", steps}, {"peak_memory_bytes", run.peak_memory_bytes}}},
   };
   // A name in the log may hold bytes that are no UTF-8.

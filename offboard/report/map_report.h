@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "offboard/session/segments.h"
+#include "offboard/placement/groups.h"
 #include "shared/io/mesh.h"
 #include "shared/types/session.h"
 
@@ -22,20 +22,27 @@ struct RunFigures {
   int64_t peak_memory_bytes = 0;
 };
 
-/// A segment, the map made of it, and where that stands.
-struct SegmentMap {
-  Segment segment;
+/// What the surface of a group was made of.
+enum class SurfaceSource {
+  kSlices,  ///< the collector's, bent to where the poses are
+  kFrames,  ///< all frames, fused anew
+};
+
+/// A group of segments, the map made of it, and where that stands.
+struct GroupMap {
+  Group group;
   Mesh map;
-  std::string folder;  ///< within the output folder: "." for the main segment; "" where nothing is written
+  SurfaceSource surface = SurfaceSource::kSlices;
+  std::string folder;  ///< within the output folder: "." for the main group; "" where nothing is written
 };
 
 /// Metres from pose to pose.
 double path_length_m(const Trajectory& trajectory);
 
-/// JSON text. "trajectory" and "map" are of segments[main], "segments" lists all, the rest is of the whole
-/// mission: `session` without its poses and slices, which the segments hold. All but "run" is the same for
+/// JSON text. "trajectory" and "map" are of groups[main], "segments" lists all, the rest is of the whole
+/// mission: `session` without its poses and slices, which the groups hold. All but "run" is the same for
 /// every run over the same log.
-std::string map_report(const Session& session, std::span<const SegmentMap> segments, size_t main,
-                       const RunFigures& run);
+std::string map_report(const Session& session, const PlacedMission& placed, std::span<const GroupMap> groups,
+                       size_t main, const RunFigures& run);
 
 }  // namespace kt

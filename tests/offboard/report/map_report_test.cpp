@@ -38,19 +38,32 @@ Session short_session() {
   return session;
 }
 
-std::vector<SegmentMap> maps_of(Session& session) {
-  std::vector<SegmentMap> maps;
-  for (Segment& segment : take_segments(session)) {
-    Mesh map = weld(segment.slices);
-    maps.push_back({std::move(segment), std::move(map), maps.empty() ? "." : ""});
+// What came of a session whose poses nobody moved.
+struct Made {
+  PlacedMission placed;
+  std::vector<GroupMap> maps;
+
+  explicit Made(Session& session) {
+    for (const StampedPose& pose : session.trajectory) {
+      placed.T_world_camera.push_back(pose.T_odom_camera);
+      placed.group.push_back(pose.segment);
+    }
+    placed.candidates = session.loop_closures;
+    for (Group& group : take_groups(session, placed)) {
+      Mesh map = weld(group.segments.front().slices);
+      maps.push_back({std::move(group), std::move(map), SurfaceSource::kSlices, maps.empty() ? "." : ""});
+    }
   }
-  return maps;
+};
+
+std::string report_of(const Session& session, const Made& made, const RunFigures& run = {}) {
+  return map_report(session, made.placed, made.maps, 0, run);
 }
 
 TEST(MapReport, HoldsTheFiguresOfTheSession) {
   Session session = short_session();
-  const std::vector<SegmentMap> maps = maps_of(session);
-  const auto json = nlohmann::json::parse(map_report(session, maps, 0, {"a.lcm", {{"load", 1.5}}, 1 << 20}));
+  const Made made(session);
+  const auto json = nlohmann::json::parse(report_of(session, made, {"a.lcm", {{"load", 1.5}}, 1 << 20}));
   EXPECT_EQ(json["frames"]["processed"], 3);
   EXPECT_EQ(json["frames"]["good"], 2);
   EXPECT_EQ(json["frames"]["uncertain"], 0);
@@ -75,7 +88,7 @@ TEST(MapReport, HoldsTheFiguresOfTheSession) {
   EXPECT_EQ(step(LoopVerdict::kSurfaceMismatch), std::pair(0, 2));
   EXPECT_EQ(step(LoopVerdict::kWeak), std::pair(1, 1));
   EXPECT_EQ(json["map"]["triangles"], 3);
-  EXPECT_EQ(json["map"]["digest"], mesh_digest(maps[0].map).hex());
+  EXPECT_EQ(json["map"]["digest"], mesh_digest(made.maps[0].map).hex());
   EXPECT_FLOAT_EQ(json["map"]["high_m"][0], 0.4f);
   EXPECT_EQ(json["run"]["steps_s"]["load"], 1.5);
   EXPECT_EQ(json["run"]["peak_memory_bytes"], 1 << 20);
@@ -84,18 +97,17 @@ TEST(MapReport, HoldsTheFiguresOfTheSession) {
 TEST(MapReport, ListsSegmentsAndTellsMissionFromMainSegment) {
   Session session = short_session();
   session.trajectory[1].segment = 4;
-  const std::vector<SegmentMap> maps = maps_of(session);
-  const auto json = nlohmann::json::parse(map_report(session, maps, 0, {}));
+  const Made made(session);
+  const auto json = nlohmann::json::parse(report_of(session, made));
   EXPECT_EQ(json["frames"]["processed"], 3) << "of the mission";
   EXPECT_EQ(json["frames"]["lost"], 1);
   EXPECT_DOUBLE_EQ(json["trajectory"]["path_length_m"], 7.0) << "of the main segment";
   const auto& segments = json["segments"];
-  EXPECT_EQ(segments["joined"], false);
   EXPECT_EQ(segments["main"], 0);
   ASSERT_EQ(segments["list"].size(), 2u);
   EXPECT_EQ(segments["list"][0],
-            nlohmann::json::parse(R"({"number": 0, "frames": 2, "good": 2, "first_us": 0, "last_us": 1000000,
-              "vertices": 5, "triangles": 3, "path_length_m": 7.0, "folder": "."})"));
+            nlohmann::json::parse(R"({"number": 0, "joined": [], "frames": 2, "good": 2, "first_us": 0,
+              "last_us": 1000000, "surface": "slices", "vertices": 5, "triangles": 3, "path_length_m": 7.0, "folder": "."})"));
   EXPECT_EQ(segments["list"][1]["number"], 4);
   EXPECT_EQ(segments["list"][1]["good"], 0);
   EXPECT_TRUE(segments["list"][1]["folder"].is_null());
@@ -103,9 +115,9 @@ TEST(MapReport, ListsSegmentsAndTellsMissionFromMainSegment) {
 
 TEST(MapReport, OnlyRunDependsOnTheRun) {
   Session session = short_session();
-  const std::vector<SegmentMap> maps = maps_of(session);
-  auto first = nlohmann::json::parse(map_report(session, maps, 0, {"a.lcm", {{"load", 1.5}}, 1}));
-  auto second = nlohmann::json::parse(map_report(session, maps, 0, {"b.lcm", {{"load", 2.5}}, 2}));
+  const Made made(session);
+  auto first = nlohmann::json::parse(report_of(session, made, {"a.lcm", {{"load", 1.5}}, 1}));
+  auto second = nlohmann::json::parse(report_of(session, made, {"b.lcm", {{"load", 2.5}}, 2}));
   EXPECT_NE(first, second);
   first.erase("run");
   second.erase("run");

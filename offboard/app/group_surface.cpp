@@ -1,0 +1,69 @@
+// Deformation and re-integration of one group.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "offboard/app/group_surface.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "offboard/deformation/constraints.h"
+#include "offboard/deformation/deform.h"
+#include "offboard/deformation/solve_deformation.h"
+#include "offboard/deformation/unify_sequences.h"
+#include "offboard/map/weld.h"
+#include "shared/core/check.h"
+
+namespace kt {
+
+Mesh surface_of_slices(Group& group) {
+  std::vector<CloudSlice> slices;
+  for (size_t s = 0; s < group.segments.size(); ++s) {
+    Segment& segment = group.segments[s];
+    unify_pose_sequences(segment.slices);
+    DeformationGraph graph = build_deformation_graph(segment.trajectory, group.T_world_camera[s]);
+    solve(graph, camera_constraints(segment.trajectory, group.T_world_camera[s], graph.config));
+    for (CloudSlice& slice : segment.slices) deform(graph, slice.vertices);
+  }
+  if (group.segments.size() == 1) return weld(group.segments.front().slices);
+  Mesh all;
+  for (const Segment& segment : group.segments) {
+    const Mesh mesh = weld(segment.slices);
+    const auto first = static_cast<uint32_t>(all.vertices.size());
+    all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+    all.normals.insert(all.normals.end(), mesh.normals.begin(), mesh.normals.end());
+    all.colours.insert(all.colours.end(), mesh.colours.begin(), mesh.colours.end());
+    all.quality.insert(all.quality.end(), mesh.quality.begin(), mesh.quality.end());
+    for (auto [a, b, c] : mesh.triangles) all.triangles.push_back({a + first, b + first, c + first});
+  }
+  return all;
+}
+
+Mesh surface_of_frames(const Group& group, FrameSource& source, const exec::Device& device,
+                       const ReintegrationConfig& config, const std::filesystem::path& scratch,
+                       const std::function<void(double)>& progress) {
+  constexpr double kFusing = 0.9;          // of the work
+  std::map<int64_t, Pose> T_world_camera;  // by stamp
+  for (const StampedPose& pose : group.trajectory()) {
+    if (pose.status == TrackingStatus::kGood) T_world_camera.emplace(pose.timestamp_us, pose.T_odom_camera);
+  }
+  Reintegrator reintegrator(device, source.calibration(), config, scratch);
+  const auto count = static_cast<double>(std::max<int64_t>(1, source.frame_count()));
+  int64_t read = 0, fused = 0;
+  for (SourceItem item = source.next(); item.kind != SourceItem::Kind::kEnd; item = source.next()) {
+    if (item.kind != SourceItem::Kind::kFrame) continue;
+    const auto found = T_world_camera.find(item.frame.timestamp_us);
+    if (found != T_world_camera.end()) {
+      reintegrator.fuse(item.frame, found->second);
+      ++fused;
+    }
+    progress(kFusing * std::min(1.0, static_cast<double>(++read) / count));
+  }
+  if (fused == 0 && !T_world_camera.empty())
+    throw Error("none of the frames has the time stamp of a good pose: are they those of another mission?");
+  std::vector<CloudSlice> tiles;
+  reintegrator.extract([&](CloudSlice tile) { tiles.push_back(std::move(tile)); },
+                       [&](double share) { progress(kFusing + (1 - kFusing) * share); });
+  return weld(tiles);
+}
+
+}  // namespace kt
