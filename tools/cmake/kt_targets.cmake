@@ -42,6 +42,7 @@ if(NOT KT_CORE_ONLY)
   find_package(yaml-cpp REQUIRED)
   find_package(JPEG REQUIRED)
   find_package(ZLIB REQUIRED)
+  find_package(Ceres 2.1 REQUIRED)
 endif()
 
 # One place for the flags that keep results equal on every machine (ARCHITECTURE.md, determinism). A bench that measures what they
