@@ -88,7 +88,7 @@ double measured_loop_scale(const IndexedGraph& graph, const OdometryForest& odom
       loops.push_back(e);
     }
   }
-  std::vector<double> squares(kScalePriorLoops, kChiSquare25);
+  std::vector<double> squares;
   for (const size_t a : loops) {
     const IndexedEdge* nearest = nullptr;
     int least = std::numeric_limits<int>::max();
@@ -104,7 +104,13 @@ double measured_loop_scale(const IndexedGraph& graph, const OdometryForest& odom
     // The scale is read off the quotient, which holds where odometry between the two hardly counts.
     if (loop_share > 3) squares.push_back(square);
   }
-  return std::clamp(quantile(std::move(squares), 0.25) / kChiSquare25, kLoopScaleMin, kLoopScaleMax);
+  const auto scale_at = [&squares](double share, double chi_square) {
+    std::vector<double> values(kScalePriorLoops, chi_square);
+    values.insert(values.end(), squares.begin(), squares.end());
+    return quantile(std::move(values), share) / chi_square;
+  };
+  const double scale = std::max(scale_at(0.25, kChiSquare25), std::min(1.0, scale_at(0.5, kChiSquare50)));
+  return std::clamp(scale, kLoopScaleMin, kLoopScaleMax);
 }
 
 }  // namespace kt

@@ -15,7 +15,7 @@ inline constexpr double kChiSquare25 = 3.455, kChiSquare50 = 5.348, kChiSquare99
 /// Scales are medians and quartiles, as if this many more loops had found the given covariances right.
 inline constexpr int kScalePriorLoops = 3;
 inline constexpr double kOdometryScaleMin = 0.1, kOdometryScaleMax = 1000;
-inline constexpr double kLoopScaleMin = 1, kLoopScaleMax = 10;
+inline constexpr double kLoopScaleMin = 0.3, kLoopScaleMax = 10;
 
 /// For OdometryForest: 1 for each edge that is no loop.
 std::vector<double> odometry_only(const IndexedGraph& graph);
@@ -32,7 +32,8 @@ double cycle_squared_sigmas(const OdometryForest& odometry, const IndexedEdge& a
 double measured_odometry_scale(const IndexedGraph& graph, const OdometryForest& odometry);
 
 /// The factor on the loops' covariance at which the best quarter of neighbours among them agree as they
-/// should. Never below 1: false loops of places that look alike agree better than true ones.
+/// should, for most may have a false loop in them. Below 1 only as far as the better half says so too: false
+/// loops of places that look alike agree better than true ones.
 double measured_loop_scale(const IndexedGraph& graph, const OdometryForest& odometry);
 
 }  // namespace kt

@@ -136,8 +136,12 @@ void graduate(const IndexedGraph& graph, LoopDecision& decision, std::vector<Pos
     if (!is_undecided) break;
     mu *= kMuStep;
   }
+  // A true loop with the bad luck of the one in a hundred is where the others want it all the same.
+  solve(graph, weight, options, T_world_node);
+  ++decision.solves;
+  const std::vector<double> squares = squared_errors(graph, GraphResidual::kSe3, T_world_node);
   for (size_t e = 0; e < weight.size(); ++e) {
-    if (!is_tried[e] || weight[e] > 0) continue;
+    if (!is_tried[e] || weight[e] > 0 || squares[e] < kGate) continue;
     decision.weight[e] = 0;
     decision.outcome[e] = LoopOutcome::kInconsistent;
   }
@@ -170,9 +174,15 @@ LoopDecision decide_loops(const IndexedGraph& given) {
     decision.weight[e] = 0;
     decision.outcome[e] = LoopOutcome::kUninformative;
   }
-  decision.odometry_scale = measured_odometry_scale(given, OdometryForest(given, odometry_only(given)));
-  IndexedGraph graph = scaled(given, decision.odometry_scale, 1);
-  decision.loop_scale = measured_loop_scale(graph, OdometryForest(graph, odometry_only(graph)));
+  // Each scale is read where the other covariance hardly counts, which the other's scale decides: twice
+  // around.
+  IndexedGraph graph = given;
+  for (int round = 0; round < 2; ++round) {
+    graph = scaled(given, 1, decision.loop_scale);
+    decision.odometry_scale = measured_odometry_scale(graph, OdometryForest(graph, odometry_only(graph)));
+    graph = scaled(given, decision.odometry_scale, 1);
+    decision.loop_scale = measured_loop_scale(graph, OdometryForest(graph, odometry_only(graph)));
+  }
   graph = scaled(graph, 1, decision.loop_scale);
 
   const auto join = [&] { return OdometryForest(graph, joined(graph, accepted_loops(graph, decision))); };

@@ -11,7 +11,8 @@ import unittest
 from programs import BIN, ROOT, WORK, ProgramTest, run
 
 PROGRAMS = {"collect": ["--threads", "-3"], "map": [], "log": ["convert", "a"], "eval": ["trajectory", "--delta", "x"],
-            "synth": ["--downscale", "9"], "render": ["--view", "behind"], "bench": ["--frames", "many"]}
+            "synth": ["--downscale", "9"], "render": ["--view", "behind"], "bench": ["--frames", "many"],
+            "graph": ["optimise", "no.g2o"]}
 
 
 class ToolsTest(ProgramTest):

@@ -26,7 +26,7 @@ struct Consistency {
 ///   C = sum Ad(T_from_a) information_ab^-1 Ad(T_from_a)^T   over the edges a -> b on the way.
 /// First order: an error of edge a -> b, exp(xi_ab) T_a_b, is exp(Ad(T_from_a) xi_ab) on the left of the
 /// whole; walked backwards it changes its sign. The way goes up from both poses to where they meet, by the
-/// first edge that ends at each (odometry_graph), so a pose that nothing was measured against is no detour.
+/// first edge that ends at each (mission_graph), so a pose that nothing was measured against is no detour.
 ///
 /// The k-th node of `graph` must be the k-th pose of `estimate`: throws kt::Error where their numbers differ
 /// or they stand elsewhere. Nothing where no pair has a covariance.

@@ -72,8 +72,9 @@ TEST(LoopConsistency, ScalesFollowTheInformation) {
     const PoseGraph graph = make_graph(made, true_poses(made));
     const IndexedGraph ready = indexed(graph, edges_out_of_order(graph));
     const double scale = measured_odometry_scale(ready, OdometryForest(ready, odometry_only(ready)));
-    EXPECT_GT(scale, 0.4 * factor);
-    EXPECT_LT(scale, 2.5 * factor);
+    // All loops look at one and the same drift, which may be a lucky or an unlucky one.
+    EXPECT_GT(scale, factor / 4);
+    EXPECT_LT(scale, factor * 4);
   }
 }
 

@@ -39,8 +39,8 @@ INSTANTIATE_TEST_SUITE_P(SeSync, PublishedGraphs,
                                          Published{"sphere_bignoise_vertex3", 2961756.5},
                                          Published{"smallGrid3D", 1025.3981},
                                          Published{"tinyGrid3D", 18.519366}),
-                         [](const auto& info) {
-                           std::string name = info.param.name;
+                         [](const auto& given) {
+                           std::string name = given.param.name;
                            std::erase(name, '-');
                            std::erase(name, '_');
                            return name;

@@ -96,7 +96,7 @@ TEST(RobustLoops, SegmentsStayApartWhereTooFewLoopsAgree) {
     ASSERT_EQ(result.components.anchor.size(), 2u);
     EXPECT_EQ(result.components.anchor[1], 150);
     EXPECT_EQ(result.edges.back().outcome, LoopOutcome::kUnconfirmed);
-    EXPECT_EQ(result.T_world_node[150].matrix(), graph.nodes[150].T_world_node.matrix());
+    EXPECT_TRUE(result.T_world_node[150].isApprox(graph.nodes[150].T_world_node, 1e-12));
   }
 }
 
