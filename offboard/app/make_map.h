@@ -24,9 +24,9 @@ enum class SurfaceChoice {
 struct MapOptions {
   std::filesystem::path log;
   std::filesystem::path output;  ///< folder, made where it is missing; files of earlier runs are replaced
-  PlacementConfig placement;
+  PlacementConfig placement{};
   SurfaceChoice surface = SurfaceChoice::kAuto;
-  std::string frames;       ///< where they come from, as open_source takes it; "": the log itself
+  std::string frames{};     ///< where they come from, as open_source takes it; "": the log itself
   double voxel_size_m = 0;  ///< of the surface fused anew; 0: the collector's
   exec::Device device = exec::Device::cpu();
 };

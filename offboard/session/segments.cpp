@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "shared/core/check.h"
+
 namespace kt {
 
 int64_t Segment::good_frames() const {
@@ -25,6 +27,16 @@ std::vector<Segment> take_segments(Session& session) {
     segments.push_back(std::move(segment));
   }
   return segments;
+}
+
+size_t main_segment(std::span<const Segment> segments) {
+  KT_CHECK(!segments.empty());
+  const auto key = [](const Segment& segment) {
+    return std::pair(segment.good_frames(), !segment.trajectory.empty());
+  };
+  const auto main = std::max_element(segments.begin(), segments.end(),
+                                     [&key](const auto& a, const auto& b) { return key(a) < key(b); });
+  return static_cast<size_t>(main - segments.begin());
 }
 
 }  // namespace kt

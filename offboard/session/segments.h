@@ -25,4 +25,8 @@ struct Segment {
 /// ascend along the mission: the camera may come back into an earlier segment.
 std::vector<Segment> take_segments(Session& session);
 
+/// Index of the one with the most good frames, the earliest of equals; one with poses before one without.
+/// Needs at least one segment.
+size_t main_segment(std::span<const Segment> segments);
+
 }  // namespace kt

@@ -103,7 +103,7 @@ TEST(MakeMap, WritesWhatTheLogHolds) {
       make_map({folder / "a.lcm", output}, [&steps](const std::string& step, double share) {
         if (share == 0) steps.push_back(step);
       });
-  EXPECT_EQ(steps, (std::vector<std::string>{"load", "weld", "write"}));
+  EXPECT_EQ(steps, (std::vector<std::string>{"load", "place", "surface", "write"}));
   EXPECT_NE(summary.find("7 events, no damage"), std::string::npos) << summary;
 
   const Mesh map = read_ply(output / "map.ply");
@@ -151,7 +151,7 @@ TEST(MakeMap, EachSegmentIsMappedAsIfItWereAlone) {
   EXPECT_FALSE(std::filesystem::exists(folder / "all/segment-0/report.json"));
   const PoseGraph graph = read_g2o(folder / "all/poses.g2o");
   EXPECT_EQ(graph.nodes.size(), 4u);
-  EXPECT_EQ(graph.edges.size(), 2u) << "the edge from segment 0 is left out";
+  EXPECT_EQ(graph.edges.size(), 3u) << "the edge from segment 0 begins at the pose before";
   EXPECT_EQ(read_g2o(folder / "all/segment-0/poses.g2o").edges.size(), 2u);
 
   const auto report = report_without_run(folder / "all");

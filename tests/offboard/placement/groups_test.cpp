@@ -80,7 +80,8 @@ TEST(Groups, TheGraphHasTheGroupsPosesOnceFixedAndWhatIsBelieved) {
   session.trajectory = {pose_of(9, 0), pose_of(10, 0), pose_of(11, 1), pose_of(500, 2), pose_of(501, 2)};
   for (StampedPose& pose : session.trajectory) pose.from_sequence = pose.sequence - 1;
   PlacedMission placed = placed_as(session, {0, 0, 1, 0, 0});
-  placed.measured = mission_graph(session.trajectory, std::vector{sample_loop(), sample_loop()});  // 10 to 500
+  placed.measured =
+      mission_graph(session.trajectory, std::vector{sample_loop(), sample_loop()});  // 10 to 500
   placed.solution.T_world_node = placed.T_world_camera;
   placed.solution.edges.resize(placed.measured.graph.edges.size());
   placed.solution.edges.back().weight = 0;
@@ -94,7 +95,8 @@ TEST(Groups, TheGraphHasTheGroupsPosesOnceFixedAndWhatIsBelieved) {
   EXPECT_THAT(fixed, testing::ElementsAre(true, false, false, false));
   std::vector<std::pair<int64_t, int64_t>> edges;
   for (const PoseGraph::Edge& edge : graph.edges) edges.emplace_back(edge.from, edge.to);
-  EXPECT_THAT(edges, testing::ElementsAre(testing::Pair(9, 10), testing::Pair(500, 501), testing::Pair(10, 500)));
+  EXPECT_THAT(edges,
+              testing::ElementsAre(testing::Pair(9, 10), testing::Pair(500, 501), testing::Pair(10, 500)));
   EXPECT_TRUE(graph_of(groups[1], placed).edges.empty());
 }
 

@@ -19,8 +19,8 @@ const Calibration kCalibration = small_calibration(2);
 
 Pose T_true(int i) { return pose_of({0, 20.0 * i, 0}, {0.01 * (i % kTurn), 0, 0.02 * (i / kTurn)}); }
 
-// A camera that turns twice and some more; its odometry turns by a little too much. From frame `cut` on it is a
-// segment of its own, in a frame of its own.
+// A camera that turns twice and some more; its odometry turns by a little too much. From frame `cut` on it is
+// a segment of its own, in a frame of its own.
 Session turning(int cut = kFrames) {
   Session session;
   session.header.calibration = kCalibration;
@@ -47,8 +47,8 @@ Session turning(int cut = kFrames) {
 double largest_error_m(const PlacedMission& placed) {
   double largest = 0;
   for (int i = 0; i < kFrames; ++i) {
-    const Pose T_error = T_true(0).inverse() * T_true(i) * placed.T_world_camera[static_cast<size_t>(i)].inverse() *
-                         placed.T_world_camera[0];
+    const Pose T_error = T_true(0).inverse() * T_true(i) *
+                         placed.T_world_camera[static_cast<size_t>(i)].inverse() * placed.T_world_camera[0];
     largest = std::max(largest, T_error.translation().norm() + rotation_angle(T_error));
   }
   return largest;

@@ -127,7 +127,8 @@ TEST(MapReport, OnlyRunDependsOnTheRun) {
 TEST(MapReport, EmptyMapAndForeignBytesAreWelcome) {
   Session session;
   session.header.program_version = "\xff\xfe";
-  const auto json = nlohmann::json::parse(map_report(session, std::vector<SegmentMap>(1), 0, {}));
+  session.slices.emplace_back();
+  const auto json = nlohmann::json::parse(report_of(session, Made(session)));
   EXPECT_EQ(json["map"]["vertices"], 0);
   EXPECT_EQ(json["trajectory"]["path_length_m"], 0.0);
 }

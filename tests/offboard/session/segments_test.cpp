@@ -1,4 +1,4 @@
-// Poses and slices go to their segments in order.
+// Poses and slices go to their segments in order; the main one has the most good frames.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/session/segments.h"
 
@@ -38,6 +38,24 @@ TEST(Segments, HoldTheirPosesAndSlicesInOrder) {
   EXPECT_EQ(segments[0].slices[1].sequence, 2);
   EXPECT_EQ(segments[0].slices[1].vertices.size(), sample_slice().vertices.size());
   EXPECT_TRUE(segments[2].trajectory.empty());
+}
+
+size_t main_of(std::initializer_list<StampedPose> poses) {
+  Session session;
+  session.trajectory = poses;
+  return main_segment(take_segments(session));
+}
+
+TEST(Segments, TheMainOneHasTheMostGoodFramesOrIsTheEarliest) {
+  constexpr TrackingStatus kLost = TrackingStatus::kLost;
+  EXPECT_EQ(main_of({pose_of(0, 0), pose_of(1, 1), pose_of(2, 1)}), 1u);
+  EXPECT_EQ(main_of({pose_of(0, 0), pose_of(1, 1), pose_of(2, 1, kLost), pose_of(3, 1, kLost)}), 0u);
+  EXPECT_EQ(main_of({pose_of(0, 7), pose_of(1, 3)}), 0u) << "the earliest is the one with the lowest number";
+  Session session;
+  session.slices = {sample_slice()};
+  session.slices[0].segment = 0;
+  session.trajectory = {pose_of(0, 1, kLost)};
+  EXPECT_EQ(main_segment(take_segments(session)), 1u) << "a segment without poses is no trajectory";
 }
 
 }  // namespace
