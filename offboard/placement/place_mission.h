@@ -21,8 +21,8 @@ enum class LoopSource {
 
 struct PlacementConfig {
   LoopSource loops = LoopSource::kSearch;
-  LoopSearchConfig search;
-  PoseGraphOptions graph;
+  LoopSearchConfig search{};
+  PoseGraphOptions graph{};
   int threads = 0;
 };
 
