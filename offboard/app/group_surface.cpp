@@ -38,27 +38,37 @@ Mesh surface_of_slices(Group& group) {
   return all;
 }
 
-Mesh surface_of_frames(const Group& group, FrameSource& source, const exec::Device& device,
+Mesh surface_of_frames(const Group& group, std::span<const MissionFrames> missions,
+                       const Calibration& calibration, const exec::Device& device,
                        const ReintegrationConfig& config, const std::filesystem::path& scratch,
                        const std::function<void(double)>& progress) {
-  constexpr double kFusing = 0.9;          // of the work
-  std::map<int64_t, Pose> T_world_camera;  // by stamp
-  for (const StampedPose& pose : group.trajectory()) {
-    if (pose.status == TrackingStatus::kGood) T_world_camera.emplace(pose.timestamp_us, pose.T_odom_camera);
-  }
-  Reintegrator reintegrator(device, source.calibration(), config, scratch);
-  const auto count = static_cast<double>(std::max<int64_t>(1, source.frame_count()));
-  int64_t read = 0, fused = 0;
-  for (SourceItem item = source.next(); item.kind != SourceItem::Kind::kEnd; item = source.next()) {
-    if (item.kind != SourceItem::Kind::kFrame) continue;
-    const auto found = T_world_camera.find(item.frame.timestamp_us);
-    if (found != T_world_camera.end()) {
-      reintegrator.fuse(item.frame, found->second);
-      ++fused;
+  constexpr double kFusing = 0.9;  // of the work
+  const Trajectory poses = group.trajectory();
+  Reintegrator reintegrator(device, calibration, config, scratch);
+  int64_t count = 0, read = 0, fused = 0;
+  for (const MissionFrames& mission : missions) count += std::max<int64_t>(1, mission.source->frame_count());
+  for (const MissionFrames& mission : missions) {
+    std::map<int64_t, Pose> T_world_camera;  // by stamp
+    for (const StampedPose& pose : poses) {
+      const bool is_of_mission =
+          pose.sequence >= mission.first_sequence && pose.sequence < mission.end_sequence;
+      if (is_of_mission && pose.status == TrackingStatus::kGood)
+        T_world_camera.emplace(pose.timestamp_us, pose.T_odom_camera);
     }
-    progress(kFusing * std::min(1.0, static_cast<double>(++read) / count));
+    if (T_world_camera.empty()) continue;
+    FrameSource& source = *mission.source;
+    for (SourceItem item = source.next(); item.kind != SourceItem::Kind::kEnd; item = source.next()) {
+      if (item.kind != SourceItem::Kind::kFrame) continue;
+      const auto found = T_world_camera.find(item.frame.timestamp_us);
+      if (found != T_world_camera.end()) {
+        item.frame.sequence += mission.first_sequence;
+        reintegrator.fuse(item.frame, found->second);
+        ++fused;
+      }
+      progress(kFusing * std::min(1.0, static_cast<double>(++read) / static_cast<double>(count)));
+    }
   }
-  if (fused == 0 && !T_world_camera.empty())
+  if (fused == 0 && group.good_frames() > 0)
     throw Error("none of the frames has the time stamp of a good pose: are they those of another mission?");
   std::vector<CloudSlice> tiles;
   reintegrator.extract([&](CloudSlice tile) { tiles.push_back(std::move(tile)); },

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
+#include <span>
 
 #include "offboard/placement/groups.h"
 #include "offboard/reintegration/reintegrator.h"
@@ -16,10 +18,17 @@ namespace kt {
 /// any vertex.
 Mesh surface_of_slices(Group& group);
 
-/// What all good frames of the group see, fused anew at the group's poses; `source` gives the frames, and may
-/// give others. `scratch`: a file for voxels, removed in the end. Throws kt::Error where it gives none of
-/// them.
-Mesh surface_of_frames(const Group& group, FrameSource& source, const exec::Device& device,
+/// Where the frames of a mission come from, and which sequences the session gave them.
+struct MissionFrames {
+  std::unique_ptr<FrameSource> source;
+  int64_t first_sequence = 0, end_sequence = 0;
+};
+
+/// What all good frames of the group see, fused anew at the group's poses; the sources may give other frames
+/// too. `scratch`: a file for voxels, removed in the end. Throws kt::Error where they give none of the
+/// group's.
+Mesh surface_of_frames(const Group& group, std::span<const MissionFrames> missions,
+                       const Calibration& calibration, const exec::Device& device,
                        const ReintegrationConfig& config, const std::filesystem::path& scratch,
                        const std::function<void(double)>& progress);
 

@@ -17,9 +17,11 @@ int main(int argc, char** argv) {
   const std::map<std::string, kt::SurfaceChoice> surfaces{{"auto", kt::SurfaceChoice::kAuto},
                                                           {"slices", kt::SurfaceChoice::kSlices},
                                                           {"frames", kt::SurfaceChoice::kFrames}};
-  CLI::App app("Turns the log of a mission into map.ply, trajectory.txt, poses.g2o and report.json.",
+  CLI::App app("Turns the logs of missions into map.ply, trajectory.txt, poses.g2o and report.json.",
                "kintsugi-map");
-  app.add_option("log", options.log, "log written by kintsugi-collect")->required();
+  app.add_option("logs", options.logs,
+                 "log written by kintsugi-collect; several of one camera are joined by what they both saw")
+      ->required();
   app.add_option("--output,-o", options.output, "folder to write to; made where it is missing")->required();
   app.add_option("--loops", options.placement.loops,
                  "loop closures: search among all keyframes, those in the log, or none")
@@ -31,8 +33,9 @@ int main(int argc, char** argv) {
          "poses are; auto: frames where the log or --frames has them")
       ->transform(CLI::CheckedTransformer(surfaces).description("{auto,slices,frames}"))
       ->default_str("auto");
-  app.add_option("--frames", options.frames,
-                 "the recording that the log was made from: " + kt::joined(kt::source_specs()));
+  app.add_option(
+      "--frames", options.frames,
+      "the recordings that the logs were made from, in their order: " + kt::joined(kt::source_specs()));
   app.add_option("--voxel-size", options.voxel_size_m, "of the surface fused anew (m); 0: the collector's")
       ->check(CLI::Range(0.0, 1.0));
   app.add_option("--device,-d", device, "where frames are fused: auto, cpu or cuda")->capture_default_str();

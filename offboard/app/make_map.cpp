@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <memory>
+#include <limits>
 #include <sys/resource.h>
 #include <utility>
 
@@ -12,6 +12,7 @@
 #include "offboard/app/segment_folders.h"
 #include "offboard/report/map_report.h"
 #include "offboard/session/integrity_report.h"
+#include "offboard/session/join_sessions.h"
 #include "offboard/session/load_session.h"
 #include "shared/core/check.h"
 #include "shared/io/file.h"
@@ -50,20 +51,46 @@ class Steps {
   std::vector<std::pair<std::string, double>> times_s_;
 };
 
-// Whose frames are fused anew; null where the slices serve.
-std::unique_ptr<FrameSource> frames_of(const MapOptions& options) {
-  if (options.surface == SurfaceChoice::kSlices) return nullptr;
-  if (!options.frames.empty()) return open_source(options.frames);
-  std::unique_ptr<FrameSource> source;
-  try {
-    source = open_source("lcm-log:" + options.log.string());
-  } catch (const Error&) {  // it holds no frames
+// The missions of all logs as one.
+JoinedSession load_all(const MapOptions& options, const std::function<void(double)>& tell) {
+  std::vector<Session> sessions;
+  for (const std::filesystem::path& log : options.logs) {
+    const auto done = static_cast<double>(sessions.size()), all = static_cast<double>(options.logs.size());
+    sessions.push_back(load_session(log, [&](double share) { tell((done + share) / all); }));
+    if (sessions.back().trajectory.empty()) {
+      throw Error(log.string() +
+                  " holds no poses, so it is no mission: where it holds raw frames, run kintsugi-collect " +
+                  "--input lcm-log:" + log.string() + " first");
+    }
   }
-  if (!source && options.surface == SurfaceChoice::kFrames) {
-    throw Error(options.log.string() +
-                " holds no raw frames: record with --record-raw, or name the recording with --frames");
+  return join_sessions(std::move(sessions));
+}
+
+// The frames that are fused anew; none where the slices serve.
+std::vector<MissionFrames> frames_of(const MapOptions& options, const JoinedSession& joined) {
+  if (options.surface == SurfaceChoice::kSlices) return {};
+  if (!options.frames.empty() && options.frames.size() != options.logs.size())
+    throw Error("--frames must name one recording for each log, in their order");
+  const Calibration& calibration = joined.session.header.calibration;
+  std::vector<MissionFrames> missions;
+  for (size_t i = 0; i < options.logs.size(); ++i) {
+    MissionFrames mission;
+    const std::string log = options.logs[i].string();
+    try {
+      mission.source = options.frames.empty() ? open_source("lcm-log:" + log)
+                                              : open_source(options.frames[i], calibration);
+    } catch (const Error&) {
+      if (!options.frames.empty()) throw;
+      if (options.surface == SurfaceChoice::kAuto) return {};
+      throw Error(log +
+                  " holds no raw frames: record with --record-raw, or name the recording with --frames");
+    }
+    mission.first_sequence = joined.first_sequences[i];
+    mission.end_sequence =
+        i + 1 < options.logs.size() ? joined.first_sequences[i + 1] : std::numeric_limits<int64_t>::max();
+    missions.push_back(std::move(mission));
   }
-  return source;
+  return missions;
 }
 
 double voxel_size_of(const MapOptions& options, const Session& session) {
@@ -71,14 +98,22 @@ double voxel_size_of(const MapOptions& options, const Session& session) {
   return session.slices.empty() ? VolumeConfig{}.voxel_size_m : session.slices.front().voxel_size_m;
 }
 
-Mesh surface_of(Group& group, double voxel_size_m, const MapOptions& options,
-                const std::function<void(double)>& tell, SurfaceSource* made_of) {
-  const std::unique_ptr<FrameSource> frames = group.good_frames() > 0 ? frames_of(options) : nullptr;
-  *made_of = frames ? SurfaceSource::kFrames : SurfaceSource::kSlices;
-  if (!frames) return surface_of_slices(group);
-  ReintegrationConfig config;
-  config.volume.voxel_size_m = voxel_size_m;
-  return surface_of_frames(group, *frames, options.device, config, options.output / "bricks.tmp", tell);
+GroupMap map_of(Group group, const JoinedSession& joined, double voxel_size_m, const MapOptions& options,
+                const std::function<void(double)>& tell) {
+  GroupMap map;
+  const std::vector<MissionFrames> missions =
+      group.good_frames() > 0 ? frames_of(options, joined) : std::vector<MissionFrames>();
+  if (missions.empty()) {
+    map.map = surface_of_slices(group);
+  } else {
+    map.surface = SurfaceSource::kFrames;
+    ReintegrationConfig config;
+    config.volume.voxel_size_m = voxel_size_m;
+    map.map = surface_of_frames(group, missions, joined.session.header.calibration, options.device, config,
+                                options.output / "bricks.tmp", tell);
+  }
+  map.group = std::move(group);
+  return map;
 }
 
 // What has neither good frames nor surface is not written.
@@ -126,12 +161,8 @@ std::string summary(const Session& session, const PlacedMission& placed, const s
 
 std::string make_map(const MapOptions& options, const StepProgress& progress) {
   Steps steps(progress);
-  Session session = steps.run("load", [&](const auto& tell) { return load_session(options.log, tell); });
-  if (session.trajectory.empty()) {
-    throw Error(options.log.string() +
-                " holds no poses, so it is no mission: where it holds raw frames, run kintsugi-collect " +
-                "--input lcm-log:" + options.log.string() + " first");
-  }
+  JoinedSession joined = steps.run("load", [&](const auto& tell) { return load_all(options, tell); });
+  Session& session = joined.session;
   create_folder(options.output);
   const PlacedMission placed =
       steps.run("place", [&](const auto& tell) { return place_mission(session, options.placement, tell); });
@@ -144,10 +175,8 @@ std::string make_map(const MapOptions& options, const StepProgress& progress) {
       const auto tell_of_group = [&](double share) {
         tell((static_cast<double>(i) + share) / static_cast<double>(groups.size()));
       };
-      GroupMap& map = made.emplace_back();
-      map.map = surface_of(groups[i], voxel_size_m, options, tell_of_group, &map.surface);
-      map.group = std::move(groups[i]);
-      map.folder = folder_of(map, i == main);
+      made.push_back(map_of(std::move(groups[i]), joined, voxel_size_m, options, tell_of_group));
+      made.back().folder = folder_of(made.back(), i == main);
     }
     return made;
   });
@@ -159,7 +188,8 @@ std::string make_map(const MapOptions& options, const StepProgress& progress) {
     }
     return true;
   });
-  const RunFigures run{options.log.string(), steps.times_s(), peak_memory_bytes()};
+  RunFigures run{{}, steps.times_s(), peak_memory_bytes()};
+  for (const std::filesystem::path& log : options.logs) run.logs.push_back(log.string());
   write_file(options.output / "report.json", map_report(session, placed, maps, main, run));
   return summary(session, placed, maps, main, options);
 }

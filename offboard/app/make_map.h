@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "offboard/placement/place_mission.h"
 #include "shared/exec/device.h"
@@ -22,18 +23,21 @@ enum class SurfaceChoice {
 };
 
 struct MapOptions {
-  std::filesystem::path log;
+  std::vector<std::filesystem::path> logs;  ///< one, or several of one camera, to be joined
   std::filesystem::path output;  ///< folder, made where it is missing; files of earlier runs are replaced
   PlacementConfig placement{};
   SurfaceChoice surface = SurfaceChoice::kAuto;
-  std::string frames{};     ///< where they come from, as open_source takes it; "": the log itself
+  /// Where the frames come from, as open_source takes it, in the order of the logs; empty: the logs
+  /// themselves.
+  std::vector<std::string> frames{};
   double voxel_size_m = 0;  ///< of the surface fused anew; 0: the collector's
   exec::Device device = exec::Device::cpu();
 };
 
-/// Writes map.ply, trajectory.txt and poses.g2o of the main group (main_group) and report.json to
-/// options.output; what else has good frames or surface goes to folders segment-N there. Returns a summary of
-/// a few lines for people. Throws kt::Error where the log is no mission, or the output cannot be written.
+/// Joins the logs and writes map.ply, trajectory.txt and poses.g2o of the main group (main_group) and
+/// report.json to options.output; what else has good frames or surface goes to folders segment-N there.
+/// Returns a summary of a few lines for people. Throws kt::Error where the log is no mission, or the output
+/// cannot be written.
 std::string make_map(const MapOptions& options, const StepProgress& progress = {});
 
 }  // namespace kt

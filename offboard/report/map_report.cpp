@@ -173,7 +173,7 @@ std::string map_report(const Session& session, const PlacedMission& placed, std:
       {"slices", slices_json(groups)},
       {"map", map_json(groups[main].map)},
       {"segments", segments_json(groups, main)},
-      {"run", {{"log", run.log}, {"steps_s", steps}, {"peak_memory_bytes", run.peak_memory_bytes}}},
+      {"run", {{"logs", run.logs}, {"steps_s", steps}, {"peak_memory_bytes", run.peak_memory_bytes}}},
   };
   // A name in the log may hold bytes that are no UTF-8.
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

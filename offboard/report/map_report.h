@@ -17,7 +17,7 @@ namespace kt {
 
 /// What depends on machine and moment.
 struct RunFigures {
-  std::string log;                                      ///< path as given
+  std::vector<std::string> logs;                        ///< paths as given
   std::vector<std::pair<std::string, double>> steps_s;  ///< wall time of each step
   int64_t peak_memory_bytes = 0;
 };

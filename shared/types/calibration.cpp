@@ -6,6 +6,12 @@
 
 namespace kt {
 
+bool Calibration::is_equal_to(const Calibration& other) const {
+  return depth == other.depth && colour == other.colour &&
+         T_colour_depth.matrix() == other.T_colour_depth.matrix() && depth_unit_m == other.depth_unit_m &&
+         invalid_depth == other.invalid_depth;
+}
+
 bool Calibration::is_registered() const {
   return depth == colour && T_colour_depth.matrix().isApprox(Eigen::Matrix4d::Identity(), 1e-12);
 }

@@ -20,6 +20,9 @@ struct Calibration {
   /// Whether colour pixel (u, v) looks along depth pixel (u, v): same intrinsics and no offset.
   bool is_registered() const;
 
+  /// Whether both see alike; names do not matter.
+  bool is_equal_to(const Calibration& other) const;
+
   /// Empty where the calibration makes sense, else the first thing wrong with it.
   std::string problem() const;
   /// The part of it that asks only whether each number is in its range: what a log may hold.

@@ -63,7 +63,7 @@ std::string report_of(const Session& session, const Made& made, const RunFigures
 TEST(MapReport, HoldsTheFiguresOfTheSession) {
   Session session = short_session();
   const Made made(session);
-  const auto json = nlohmann::json::parse(report_of(session, made, {"a.lcm", {{"load", 1.5}}, 1 << 20}));
+  const auto json = nlohmann::json::parse(report_of(session, made, {{"a.lcm"}, {{"load", 1.5}}, 1 << 20}));
   EXPECT_EQ(json["frames"]["processed"], 3);
   EXPECT_EQ(json["frames"]["good"], 2);
   EXPECT_EQ(json["frames"]["uncertain"], 0);
@@ -116,8 +116,8 @@ TEST(MapReport, ListsSegmentsAndTellsMissionFromMainSegment) {
 TEST(MapReport, OnlyRunDependsOnTheRun) {
   Session session = short_session();
   const Made made(session);
-  auto first = nlohmann::json::parse(report_of(session, made, {"a.lcm", {{"load", 1.5}}, 1}));
-  auto second = nlohmann::json::parse(report_of(session, made, {"b.lcm", {{"load", 2.5}}, 2}));
+  auto first = nlohmann::json::parse(report_of(session, made, {{"a.lcm"}, {{"load", 1.5}}, 1}));
+  auto second = nlohmann::json::parse(report_of(session, made, {{"b.lcm"}, {{"load", 2.5}}, 2}));
   EXPECT_NE(first, second);
   first.erase("run");
   second.erase("run");

@@ -22,7 +22,9 @@ TIMES = {"p50_ms": 30.0, "p95_ms": 70.0, "max_ms": 90.0, "count": 600}
 GOOD = {
     "collect": {"frames": 601, "tracked_share": 1.0, "process": TIMES, "fallback": TIMES, "stages": {"track": TIMES}, "peak_memory_mb": 300.4},
     "trajectory": {"ate": {"rmse_m": 0.004}, "rpe": {"translation": {"rmse_m": 0.002}, "rotation": {"rmse_deg": 0.1}},
-                   "consistency": {"pose": {"mean": 1.234}}},
+                   "consistency": {"pose": {"mean": 1.234}},
+                   "loops": {"accepted": 13, "precision": 1.0, "events": {"count": 2, "recalled": 2}}},
+    "map": {"ate": {"rmse_m": 0.003}},
     "surface": {"accuracy": {"mean_m": 0.002}, "completeness": 0.97, "f_score": 0.98},
 }
 
@@ -53,8 +55,9 @@ class BenchmarkTest(unittest.TestCase):
         self.assertEqual(set(verdicts.values()), {"kept"})
 
     def test_each_promise_can_be_broken(self):
-        bad = {"trajectory": {"ate": {"rmse_m": 0.0501}, "rpe": None},
-               "surface": {"accuracy": {"mean_m": 0.009}, "completeness": 0.94, "f_score": 0.9},
+        bad = {"trajectory": {"ate": {"rmse_m": 0.0501}, "rpe": None, "loops": {"precision": 0.98}},
+               "map": {"ate": {"rmse_m": 0.027}},
+               "surface": {"accuracy": {"mean_m": 0.009}, "completeness": 0.94, "f_score": 0.89},
                "collect": GOOD["collect"] | {"tracked_share": 0.999, "process": TIMES | {"p50_ms": 81}}}
         broken = set()
         for nees in (0.32, 3.1):  # too low and too high at once is not possible
