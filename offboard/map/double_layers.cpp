@@ -54,7 +54,7 @@ bool is_doubled(const Mesh& mesh, const TriangleGrid& grid, uint32_t vertex) {
 
 DoubleLayers count_double_layers(const Mesh& mesh, int threads) {
   KT_CHECK(mesh.normals.size() == mesh.vertices.size(), "layers are told apart by their normals");
-  const TriangleGrid grid(mesh, kFarthestLayer_m / 2);
+  const TriangleGrid grid(mesh, kFarthestLayer_m / 4);
   std::vector<bool> is_used(mesh.vertices.size());
   for (const auto& triangle : mesh.triangles) {
     for (const uint32_t corner : triangle) is_used[corner] = true;

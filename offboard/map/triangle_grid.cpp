@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/map/triangle_grid.h"
 
+#include <compare>
+#include <limits>
+
 #include "shared/core/check.h"
 
 namespace kt {
@@ -9,6 +12,13 @@ namespace {
 
 constexpr int64_t kMostCells = 1024;  // of one triangle: what is larger is asked for every line
 constexpr double kBeyondEdge = 1e-3;  // share of a triangle, so that no line slips through between two
+
+// A triangle in a cell.
+struct Entry {
+  uint64_t cell;
+  uint32_t triangle;
+  friend auto operator<=>(const Entry&, const Entry&) = default;
+};
 
 struct Vec3d {
   double x, y, z;
@@ -27,6 +37,7 @@ Vec3d cross(Vec3d a, Vec3d b) {
 
 TriangleGrid::TriangleGrid(const Mesh& mesh, double cell_size_m) : mesh_(mesh), cell_size_m_(cell_size_m) {
   KT_CHECK(cell_size_m > 0);
+  std::vector<Entry> entries;
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto [a, b, c] = mesh.triangles[t];
     const Box box = cells_of({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]});
@@ -37,11 +48,21 @@ TriangleGrid::TriangleGrid(const Mesh& mesh, double cell_size_m) : mesh_(mesh), 
     for (int64_t z = box.low[2]; z <= box.high[2]; ++z) {
       for (int64_t y = box.low[1]; y <= box.high[1]; ++y) {
         for (int64_t x = box.low[0]; x <= box.high[0]; ++x)
-          entries_.push_back({key_of(x, y, z), static_cast<uint32_t>(t)});
+          entries.push_back({key_of(x, y, z), static_cast<uint32_t>(t)});
       }
     }
   }
-  std::sort(entries_.begin(), entries_.end());
+  KT_CHECK(entries.size() < std::numeric_limits<uint32_t>::max(), "too many triangles");
+  std::sort(entries.begin(), entries.end());
+  triangles_.reserve(entries.size());
+  for (const Entry& entry : entries) {
+    if (cells_.empty() || cells_.back() != entry.cell) {
+      cells_.push_back(entry.cell);
+      starts_.push_back(static_cast<uint32_t>(triangles_.size()));
+    }
+    triangles_.push_back(entry.triangle);
+  }
+  starts_.push_back(static_cast<uint32_t>(triangles_.size()));
 }
 
 TriangleGrid::Box TriangleGrid::cells_of(std::initializer_list<Vec3f> points) const {
@@ -67,13 +88,14 @@ std::optional<double> TriangleGrid::crossing(Vec3f a, Vec3f b, uint32_t triangle
   const Vec3f corner = mesh_.vertices[i];
   const Vec3d direction = difference(b, a), start = difference(a, corner);
   const Vec3d edge1 = difference(mesh_.vertices[j], corner), edge2 = difference(mesh_.vertices[k], corner);
-  const Vec3d p = cross(direction, edge2), q = cross(start, edge1);
+  const Vec3d p = cross(direction, edge2);
   const double determinant = dot(edge1, p);
   if (determinant == 0) return {};
-  const double t = dot(edge2, q) / determinant;
-  const double u = dot(start, p) / determinant, v = dot(direction, q) / determinant;
-  const bool is_inside = u >= -kBeyondEdge && v >= -kBeyondEdge && u + v <= 1 + kBeyondEdge;
-  if (!is_inside || !(t >= 0) || !(t <= 1)) return {};
+  const double inverse = 1 / determinant, u = dot(start, p) * inverse;
+  if (!(u >= -kBeyondEdge && u <= 1 + kBeyondEdge)) return {};
+  const Vec3d q = cross(start, edge1);
+  const double v = dot(direction, q) * inverse, t = dot(edge2, q) * inverse;
+  if (!(v >= -kBeyondEdge && u + v <= 1 + kBeyondEdge && t >= 0 && t <= 1)) return {};
   return t;
 }
 

@@ -130,23 +130,26 @@ TEST_F(StaysOfACorridor, EveryKeyOfAStayHasOnePlaceAndNoStayCouldBeLonger) {
   EXPECT_EQ(next, all.size());
 }
 
-// The way back drifted by a voxel: the two surfaces lie in other cells, yet one sheet is left.
-// Measured: 20.08 m2 without drift, 25.01 of both stays, 20.29 of one sheet.
+// The way back drifted by a voxel and a half: the two surfaces lie in other cells, yet one sheet is left but
+// for a strip along its borders. Measured without drift, of both stays, of one sheet: 20.07, 25.01 and 20.45
+// m2; doubled 0, 38 and 4 %.
 TEST_F(StaysOfACorridor, ThereAndBackWithDriftGivesOneSheet) {
   std::vector<CloudSlice> all = slices(2);
-  const double undrifted_m2 = area_m2(weld(all));
+  const Mesh undrifted = weld(all);
+  const double undrifted_m2 = area_m2(undrifted);
   const Stays stays = stays_of(all);
   for (size_t i = 1; i < stays.size(); ++i) {
-    for (const size_t s : stays[i]) all[s] = moved(all[s], {0.018f, 0.018f, 0.018f});
+    for (const size_t s : stays[i]) all[s] = moved(all[s], {0.03f, 0.03f, 0.03f});
   }
   const std::vector<Mesh> patches = weld_stays(all, stays);
   const Mesh both = concatenated(patches);
   const OneSheet one = one_sheet(patches, SheetConfig::of_voxels(all.front().voxel_size_m));
-  std::printf("%f %f %f, %f %f\n", undrifted_m2, area_m2(both), area_m2(one.mesh),
-              count_double_layers(both).share(), count_double_layers(one.mesh).share());
   EXPECT_GT(area_m2(both), 1.2 * undrifted_m2);
   EXPECT_LT(area_m2(one.mesh), 1.03 * undrifted_m2);
   EXPECT_GT(area_m2(one.mesh), 0.99 * undrifted_m2);
+  EXPECT_LT(count_double_layers(undrifted).share(), 0.001);
+  EXPECT_GT(count_double_layers(both).share(), 0.35);
+  EXPECT_LT(count_double_layers(one.mesh).share(), 0.05);
 }
 
 }  // namespace
