@@ -121,6 +121,16 @@ TEST(OneSheet, UnevenSheetsLeaveNoSplinters) {
   EXPECT_LE(triangles_of(one.mesh, 3), 2 * 2 * 24);
 }
 
+TEST(OneSheet, ANormalThatAgreesLessLeavesNoSplinterAndOneThatOpposesLeavesItsTriangles) {
+  const Mesh better = made_sheet(0, 30, 0, 4);
+  Mesh worse = made_sheet(0, 30, 0.01f, 3);
+  const size_t middle = 15 * (kRows + 1) + 10;
+  worse.normals[middle] = {0.8f, 0, 0.6f};  // 53 degrees
+  EXPECT_EQ(ply_bytes(one_sheet(std::vector{better, worse}, kConfig).mesh), ply_bytes(better));
+  worse.normals[middle] = {0, 0, -1};
+  EXPECT_EQ(triangles_of(one_sheet(std::vector{better, worse}, kConfig).mesh, 3), 6);
+}
+
 TEST(OneSheet, DoesNotDependOnThreadsNorOnTheOrderOfPatchesOfDifferentWeight) {
   const std::vector<Mesh> patches{made_sheet(0, 20, 0, 4), made_sheet(10, 30, 0.012f, 3),
                                   made_sheet(5, 40, -0.011f, 2)};
