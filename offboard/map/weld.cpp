@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "offboard/map/mesh_parts.h"
 #include "offboard/map/overlap.h"
 #include "shared/core/check.h"
 
@@ -115,31 +116,6 @@ std::vector<uint32_t> weld_vertices(const VertexList& vertices, std::span<const 
     mesh.quality.push_back(vertex.weight);
   }
   return index_of;
-}
-
-// Vertices keep their order, so triangles keep theirs.
-void drop_unused_vertices(Mesh& mesh) {
-  std::vector<bool> is_used(mesh.vertices.size());
-  for (const auto& triangle : mesh.triangles) {
-    for (const uint32_t corner : triangle) is_used[corner] = true;
-  }
-  std::vector<uint32_t> new_index(mesh.vertices.size());
-  uint32_t count = 0;
-  for (size_t i = 0; i < is_used.size(); ++i) {
-    if (!is_used[i]) continue;
-    mesh.vertices[count] = mesh.vertices[i];
-    mesh.normals[count] = mesh.normals[i];
-    mesh.colours[count] = mesh.colours[i];
-    mesh.quality[count] = mesh.quality[i];
-    new_index[i] = count++;
-  }
-  mesh.vertices.resize(count);
-  mesh.normals.resize(count);
-  mesh.colours.resize(count);
-  mesh.quality.resize(count);
-  for (auto& triangle : mesh.triangles) {
-    for (uint32_t& corner : triangle) corner = new_index[corner];
-  }
 }
 
 }  // namespace

@@ -47,7 +47,11 @@ void write_file(const std::filesystem::path& path, std::string_view bytes) {
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
   // A full disk may show only when the last block is flushed.
   if (!written || std::fclose(file.release()) != 0) {
-    fail(path, std::string("cannot be written whole: ") + std::strerror(errno));
+    const std::string reason = std::strerror(errno);
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(std::filesystem::symlink_status(path, ignored)))
+      std::filesystem::remove(path, ignored);
+    fail(path, "cannot be written whole: " + reason);
   }
 }
 

@@ -15,7 +15,7 @@ namespace kt {
 std::string read_file(const std::filesystem::path& path, size_t limit = size_t{1} << 32);
 
 /// Replaces the file; throws kt::Error where it cannot be written whole (no folder, no permission, full
-/// disk).
+/// disk), and leaves no part of it then.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 inline std::span<const uint8_t> as_bytes(std::string_view text) {

@@ -1,0 +1,26 @@
+// From the ending of a name to the writer of its format.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shared/io/mesh_file.h"
+
+#include "shared/core/check.h"
+#include "shared/io/glb.h"
+#include "shared/io/obj.h"
+#include "shared/io/ply.h"
+
+namespace kt {
+
+void check_mesh_path(const std::filesystem::path& path) {
+  const std::filesystem::path extension = path.extension();
+  if (extension != ".ply" && extension != ".obj" && extension != ".glb")
+    throw Error(path.string() + ": a mesh is written as .ply, .obj or .glb");
+}
+
+void write_mesh(const std::filesystem::path& path, const Mesh& mesh) {
+  check_mesh_path(path);
+  const std::filesystem::path extension = path.extension();
+  if (extension == ".obj") return write_obj(path, mesh);
+  if (extension == ".glb") return write_glb(path, mesh);
+  write_ply(path, mesh);
+}
+
+}  // namespace kt
