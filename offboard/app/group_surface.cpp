@@ -10,32 +10,33 @@
 #include "offboard/deformation/deform.h"
 #include "offboard/deformation/solve_deformation.h"
 #include "offboard/deformation/unify_sequences.h"
+#include "offboard/map/sheets.h"
+#include "offboard/map/stays.h"
 #include "offboard/map/weld.h"
 #include "shared/core/check.h"
 
 namespace kt {
 
-Mesh surface_of_slices(Group& group) {
-  std::vector<CloudSlice> slices;
+Mesh surface_of_slices(Group& group, int threads) {
+  std::vector<Mesh> patches;
+  bool has_moved = group.segments.size() > 1;
+  double voxel_size_m = 0;
   for (size_t s = 0; s < group.segments.size(); ++s) {
     Segment& segment = group.segments[s];
-    unify_pose_sequences(segment.slices);
     DeformationGraph graph = build_deformation_graph(segment.trajectory, group.T_world_camera[s]);
+    has_moved |= !graph.is_identity();
+    if (!has_moved || segment.slices.empty()) continue;
     solve(graph, camera_constraints(segment.trajectory, group.T_world_camera[s], graph.config));
-    for (CloudSlice& slice : segment.slices) deform(graph, slice.vertices);
+    const auto stays = stays_of(segment.slices);  // where odometry has them
+    unify_pose_sequences(segment.slices);
+    for (CloudSlice& slice : segment.slices) deform(graph, slice.vertices, threads);
+    for (Mesh& patch : weld_stays(segment.slices, stays)) patches.push_back(std::move(patch));
+    voxel_size_m = segment.slices.front().voxel_size_m;
   }
-  if (group.segments.size() == 1) return weld(group.segments.front().slices);
-  Mesh all;
-  for (const Segment& segment : group.segments) {
-    const Mesh mesh = weld(segment.slices);
-    const auto first = static_cast<uint32_t>(all.vertices.size());
-    all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-    all.normals.insert(all.normals.end(), mesh.normals.begin(), mesh.normals.end());
-    all.colours.insert(all.colours.end(), mesh.colours.begin(), mesh.colours.end());
-    all.quality.insert(all.quality.end(), mesh.quality.begin(), mesh.quality.end());
-    for (auto [a, b, c] : mesh.triangles) all.triangles.push_back({a + first, b + first, c + first});
-  }
-  return all;
+  if (!has_moved) return weld(group.segments.front().slices);
+  SheetConfig config = SheetConfig::of_voxels(voxel_size_m);
+  config.threads = threads;
+  return one_sheet(patches, config).mesh;
 }
 
 Mesh surface_of_frames(const Group& group, std::span<const MissionFrames> missions,

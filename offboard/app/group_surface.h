@@ -14,9 +14,9 @@
 
 namespace kt {
 
-/// The group's slices in world, welded; moves their vertices there. Where no pose has changed, neither has
-/// any vertex.
-Mesh surface_of_slices(Group& group);
+/// The group's slices bent to where its poses are, places seen twice in one sheet; moves their vertices
+/// there. A single segment none of whose poses has changed is welded as it is.
+Mesh surface_of_slices(Group& group, int threads);
 
 /// Where the frames of a mission come from, and which sequences the session gave them.
 struct MissionFrames {

@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   kt::MapOptions options;
   std::string device = "auto";
   int threads = 0;
+  double keep_share = 1;
   const std::map<std::string, kt::LoopSource> loop_sources{
       {"search", kt::LoopSource::kSearch}, {"log", kt::LoopSource::kLog}, {"none", kt::LoopSource::kNone}};
   const std::map<std::string, kt::SurfaceChoice> surfaces{{"auto", kt::SurfaceChoice::kAuto},
@@ -38,11 +39,24 @@ int main(int argc, char** argv) {
       "the recordings that the logs were made from, in their order: " + kt::joined(kt::source_specs()));
   app.add_option("--voxel-size", options.voxel_size_m, "of the surface fused anew (m); 0: the collector's")
       ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--format,-f", options.formats,
+                 "of the map, one or several: ply, obj, glb (glTF), pcd (points)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"ply", "obj", "glb", "pcd"}))
+      ->default_str("ply");
+  app.add_option("--min-island", options.islands.min_area_m2,
+                 "pieces of the mesh of less area (m2) are dropped; 0: none")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--simplify", keep_share, "share of the triangles to keep, by quadric error edge collapse")
+      ->check(CLI::Range(0.001, 1.0));
   app.add_option("--device,-d", device, "where frames are fused: auto, cpu or cuda")->capture_default_str();
   app.add_option("--threads,-t", threads, "of the CPU; 0: one per core")->check(CLI::Range(0, 1024));
   return kt::run_program(app, argc, argv, [&] {
     options.device = kt::exec::Device::from_name(device, threads);
     options.placement.threads = threads;
+    if (options.islands.min_area_m2 == 0) options.islands.min_triangles = 0;
+    if (keep_share < 1) options.simplify = kt::SimplifyConfig{.keep_share = keep_share};
     kt::ProgressLine progress;
     const auto show = [&progress](const std::string& step, double share) { progress.show(share, step); };
     std::fputs(kt::make_map(options, show).c_str(), stdout);

@@ -104,7 +104,7 @@ GroupMap map_of(Group group, const JoinedSession& joined, double voxel_size_m, c
   const std::vector<MissionFrames> missions =
       group.good_frames() > 0 ? frames_of(options, joined) : std::vector<MissionFrames>();
   if (missions.empty()) {
-    map.map = surface_of_slices(group);
+    map.map = surface_of_slices(group, options.placement.threads);
   } else {
     map.surface = SurfaceSource::kFrames;
     ReintegrationConfig config;
@@ -112,6 +112,8 @@ GroupMap map_of(Group group, const JoinedSession& joined, double voxel_size_m, c
     map.map = surface_of_frames(group, missions, joined.session.header.calibration, options.device, config,
                                 options.output / "bricks.tmp", tell);
   }
+  map.islands = drop_small_islands(options.islands, map.map);
+  if (options.simplify) simplify(*options.simplify, map.map);
   map.group = std::move(group);
   return map;
 }
@@ -148,13 +150,21 @@ std::string groups_text(const std::vector<GroupMap>& maps) {
   return text;
 }
 
+// "map.ply, map.glb, "
+std::string map_names(const std::vector<std::string>& formats) {
+  std::string names;
+  for (const std::string& format : formats) names += map_file(format) + ", ";
+  return names;
+}
+
 std::string summary(const Session& session, const PlacedMission& placed, const std::vector<GroupMap>& maps,
                     size_t main, const MapOptions& options) {
   return "log:  " + integrity_text(session.integrity) + "\nloops: " + loops_text(placed) +
          "\nmap:  " + size_text(maps[main].map) + " from " +
          (maps[main].surface == SurfaceSource::kFrames ? "all frames" : "the collector's slices") +
          "\npath: " + std::to_string(maps[main].group.trajectory().size()) + " poses\nwritten to " +
-         options.output.string() + ": map.ply, trajectory.txt, poses.g2o, report.json\n" + groups_text(maps);
+         options.output.string() + ": " + map_names(options.formats) +
+         "trajectory.txt, poses.g2o, report.json\n" + groups_text(maps);
 }
 
 }  // namespace
@@ -183,7 +193,7 @@ std::string make_map(const MapOptions& options, const StepProgress& progress) {
   steps.run("write", [&](const auto& tell) {
     remove_segment_folders(options.output);
     for (size_t i = 0; i < maps.size(); ++i) {
-      if (!maps[i].folder.empty()) write_group(options.output, maps[i], placed);
+      if (!maps[i].folder.empty()) write_group(options.output, maps[i], placed, options.formats);
       tell(static_cast<double>(i + 1) / static_cast<double>(maps.size()));
     }
     return true;

@@ -4,9 +4,12 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "offboard/map/islands.h"
+#include "offboard/map/simplify.h"
 #include "offboard/placement/place_mission.h"
 #include "shared/exec/device.h"
 
@@ -30,14 +33,17 @@ struct MapOptions {
   /// Where the frames come from, as open_source takes it, in the order of the logs; empty: the logs
   /// themselves.
   std::vector<std::string> frames{};
-  double voxel_size_m = 0;  ///< of the surface fused anew; 0: the collector's
+  IslandConfig islands{};                    ///< smaller pieces of the mesh are dropped
+  std::optional<SimplifyConfig> simplify{};  ///< fewer triangles
+  std::vector<std::string> formats{"ply"};   ///< of the map: ply, obj, glb, pcd
+  double voxel_size_m = 0;                   ///< of the surface fused anew; 0: the collector's
   exec::Device device = exec::Device::cpu();
 };
 
-/// Joins the logs and writes map.ply, trajectory.txt and poses.g2o of the main group (main_group) and
-/// report.json to options.output; what else has good frames or surface goes to folders segment-N there.
-/// Returns a summary of a few lines for people. Throws kt::Error where the log is no mission, or the output
-/// cannot be written.
+/// Joins the logs and writes map.ply (or another format), trajectory.txt and poses.g2o of the main group
+/// (main_group) and report.json to options.output; what else has good frames or surface goes to folders
+/// segment-N there. Returns a summary of a few lines for people. Throws kt::Error where the log is no
+/// mission, or the output cannot be written.
 std::string make_map(const MapOptions& options, const StepProgress& progress = {});
 
 }  // namespace kt

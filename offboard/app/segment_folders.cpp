@@ -7,9 +7,10 @@
 #include <system_error>
 #include <vector>
 
+#include "offboard/map/cloud_file.h"
 #include "shared/core/check.h"
 #include "shared/io/g2o.h"
-#include "shared/io/ply.h"
+#include "shared/io/mesh_file.h"
 #include "shared/io/text_lines.h"
 #include "shared/io/trajectory_file.h"
 
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kPrefix = "segment-";
-constexpr const char* kMap = "map.ply";
+constexpr const char* kMap = "map.";
 constexpr const char* kTrajectory = "trajectory.txt";
 constexpr const char* kPoses = "poses.g2o";
 
@@ -46,10 +47,16 @@ void create_folder(const fs::path& folder) {
   if (error || !fs::is_directory(folder)) fail("create the folder", folder, error);
 }
 
-void write_group(const fs::path& output, const GroupMap& map, const PlacedMission& placed) {
+std::string map_file(const std::string& format) { return std::string(kMap) + format; }
+
+void write_group(const fs::path& output, const GroupMap& map, const PlacedMission& placed,
+                 const std::vector<std::string>& formats) {
   const fs::path folder = map.folder == "." ? output : output / map.folder;
   create_folder(folder);
-  write_ply(folder / kMap, map.map);
+  for (const std::string& format : formats) {
+    const fs::path path = folder / map_file(format);
+    format == "pcd" ? write_cloud(path, map.map) : write_mesh(path, map.map);
+  }
   write_trajectory(folder / kTrajectory, map.group.trajectory());
   write_g2o(folder / kPoses, graph_of(map.group, placed));
 }
@@ -62,7 +69,7 @@ void remove_segment_folders(const fs::path& output) {
   }
   if (error) fail("read the folder", output, error);
   for (const fs::path& folder : folders) {
-    for (const char* name : {kMap, kTrajectory, kPoses}) {
+    for (const char* name : {"map.ply", "map.obj", "map.glb", "map.pcd", kTrajectory, kPoses}) {
       std::error_code ignored;
       if (fs::is_directory(fs::symlink_status(folder / name, ignored))) continue;  // not ours
       fs::remove(folder / name, error);

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "offboard/report/map_report.h"
 
@@ -15,10 +16,15 @@ std::string segment_folder(int number);
 /// Makes the folder where it is missing; throws kt::Error where it cannot.
 void create_folder(const std::filesystem::path& folder);
 
-/// Writes map.ply, trajectory.txt and poses.g2o to map.folder within `output`, replacing what stands there.
-void write_group(const std::filesystem::path& output, const GroupMap& map, const PlacedMission& placed);
+/// "map.glb"
+std::string map_file(const std::string& format);
 
-/// Removes those three files from all segment-N in `output`, and the folders that are empty then. What
+/// Writes the map in every one of `formats` (ply, obj, glb, pcd), trajectory.txt and poses.g2o to map.folder
+/// within `output`, replacing what stands there.
+void write_group(const std::filesystem::path& output, const GroupMap& map, const PlacedMission& placed,
+                 const std::vector<std::string>& formats);
+
+/// Removes those files from all segment-N in `output`, and the folders that are empty then. What
 /// somebody else put there stays. Throws kt::Error where a file cannot be removed.
 void remove_segment_folders(const std::filesystem::path& output);
 

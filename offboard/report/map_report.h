@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "offboard/map/islands.h"
 #include "offboard/placement/groups.h"
 #include "shared/io/mesh.h"
 #include "shared/types/session.h"
@@ -33,6 +34,7 @@ struct GroupMap {
   Group group;
   Mesh map;
   SurfaceSource surface = SurfaceSource::kSlices;
+  IslandReport islands;
   std::string folder;  ///< within the output folder: "." for the main group; "" where nothing is written
 };
 

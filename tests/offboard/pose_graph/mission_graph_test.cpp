@@ -91,12 +91,12 @@ TEST(MissionGraph, TakesAcceptedLoopsBetweenPosesThatAreThere) {
   dangling.to = 499;
   const MissionGraph mission = mission_graph(poses, std::vector{rejected, sample_loop(), dangling});
   const PoseGraph& graph = mission.graph;
-  EXPECT_EQ(mission.loop_edges, std::vector<size_t>{1});
+  EXPECT_EQ(mission.loop_edges, std::vector<size_t>{2});
   EXPECT_EQ(mission.loops, std::vector<size_t>{1});
-  ASSERT_EQ(graph.edges.size(), 2u);
-  EXPECT_EQ(graph.edges[1].from, 10);
-  EXPECT_EQ(graph.edges[1].to, 500);
-  EXPECT_EQ(graph.edges[1].T_from_to.matrix(), sample_loop().T_from_to.matrix());
+  ASSERT_EQ(graph.edges.size(), 3u);
+  EXPECT_EQ(graph.edges[2].from, 10);
+  EXPECT_EQ(graph.edges[2].to, 500);
+  EXPECT_EQ(graph.edges[2].T_from_to.matrix(), sample_loop().T_from_to.matrix());
 }
 
 }  // namespace

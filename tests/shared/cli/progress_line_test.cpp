@@ -29,11 +29,18 @@ std::string written_to_a_terminal(const Work& work) {
   std::FILE* terminal = ::fdopen(::open(::ptsname(master), O_RDWR | O_NOCTTY), "w");
   work(terminal);
   std::fflush(terminal);
-  char text[4000];
-  const ssize_t size = ::read(master, text, sizeof text);
+  std::fputc('\x04', terminal);  // what is written comes in pieces: read on until this
+  std::fflush(terminal);
+  std::string text;
+  char piece[4000];
+  while (text.find('\x04') == std::string::npos) {
+    const ssize_t size = ::read(master, piece, sizeof piece);
+    if (size <= 0) break;
+    text.append(piece, static_cast<size_t>(size));
+  }
   std::fclose(terminal);
   ::close(master);
-  return {text, static_cast<size_t>(std::max<ssize_t>(size, 0))};
+  return text.substr(0, text.find('\x04'));
 }
 
 TEST(ProgressLine, IsSilentInAFileButForTheEnd) {
