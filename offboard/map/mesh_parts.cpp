@@ -3,6 +3,10 @@
 #include "offboard/map/mesh_parts.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <compare>
+#include <cstdint>
 #include <limits>
 
 #include "shared/core/check.h"
@@ -41,6 +45,34 @@ void keep_triangles(const std::vector<bool>& stands, Mesh& mesh) {
   }
   mesh.triangles.resize(count);
   drop_unused_vertices(mesh);
+}
+
+void join_coincident(Mesh& mesh) {
+  struct Place {
+    std::array<uint32_t, 3> bits;
+    uint32_t vertex;
+    auto operator<=>(const Place&) const = default;
+  };
+  std::vector<Place> places;
+  places.reserve(mesh.vertices.size());
+  for (const Vec3f p : mesh.vertices) {
+    places.push_back(
+        {{std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)},
+         static_cast<uint32_t>(places.size())});
+  }
+  std::sort(places.begin(), places.end());
+  std::vector<uint32_t> first_of(places.size());
+  for (size_t i = 0, first = 0; i < places.size(); ++i) {
+    if (places[i].bits != places[first].bits) first = i;
+    first_of[places[i].vertex] = places[first].vertex;
+  }
+  std::vector<bool> stands;
+  for (auto& triangle : mesh.triangles) {
+    for (uint32_t& corner : triangle) corner = first_of[corner];
+    const auto [a, b, c] = triangle;
+    stands.push_back(a != b && b != c && c != a);
+  }
+  keep_triangles(stands, mesh);
 }
 
 void drop_unused_vertices(Mesh& mesh) {

@@ -17,6 +17,11 @@ Mesh concatenated(std::span<const Mesh> meshes);
 /// theirs.
 void keep_triangles(const std::vector<bool>& stands, Mesh& mesh);
 
+/// Makes one vertex, the first, of those whose positions are equal bit for bit: what copies of a key in one
+/// stay are once they are deformed. Triangles that lose a corner by it go, and vertices without a triangle.
+/// Sheets that touch in a point are joined as well.
+void join_coincident(Mesh& mesh);
+
 /// Vertices without a triangle go; the rest keep their order, so triangles keep theirs.
 void drop_unused_vertices(Mesh& mesh);
 

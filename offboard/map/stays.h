@@ -15,6 +15,11 @@ namespace kt {
 /// that holds a copy which does not agree with the first copy of its key in the current stay. Neighbouring
 /// slices that share their sequence are parts of one and stay together. `slices` are those of one segment,
 /// where odometry put them: ask before they are deformed. Fewer than 2^32 vertices in all.
+///
+/// A stay says that its keys can be trusted, not that it shows no place twice: where odometry drifted by more
+/// than the surface is wide, no key comes again. To have such a stay made one sheet too, weld each slice
+/// alone ({{0}, {1}, ...} as stays), call one_sheet(), then join_coincident(), which closes the seams between
+/// neighbours again.
 std::vector<std::vector<size_t>> stays_of(std::span<const CloudSlice> slices);
 
 /// The welded surface (weld.h) of each stay, for slices that were deformed since: vertices hold world

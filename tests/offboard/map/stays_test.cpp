@@ -83,6 +83,19 @@ TEST(WeldStays, KeysJoinWithinAStayOnly) {
   EXPECT_EQ(all.triangles.size(), 2 * meshes[0].triangles.size());
 }
 
+TEST(WeldStays, SlicesWeldedAloneAreOneSheetOnceCoincidentVerticesAreJoined) {
+  const std::vector<CloudSlice> slices =
+      in_sequence({made_floor(0, 5, 1), made_floor(5, 10, 1), made_floor(10, 15, 1)});
+  const OneSheet one = one_sheet(weld_stays(slices, Stays{{0}, {1}, {2}}), {});
+  EXPECT_EQ(one.dropped_triangles, 0);
+  Mesh joined = one.mesh;
+  join_coincident(joined);
+  const Mesh whole = weld(slices);
+  EXPECT_GT(one.mesh.vertices.size(), whole.vertices.size());
+  EXPECT_EQ(joined.vertices.size(), whole.vertices.size());
+  EXPECT_EQ(joined.triangles.size(), whole.triangles.size());
+}
+
 double area_m2(const Mesh& mesh) {
   double area = 0;
   for (const auto& [a, b, c] : mesh.triangles)
