@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+# Whole maps: the surface fused anew, several logs joined, and every format.
+# SPDX-License-Identifier: BSD-3-Clause
+import json
+import shutil
+import unittest
+
+from ply import read_ply
+from programs import WORK, ProgramTest
+
+
+def split(folder, first, last):
+    """Keeps the frames [first, last) of a copied recording."""
+    for name in ("rgb.txt", "depth.txt"):
+        lines = [line for line in (folder / name).read_text().splitlines() if not line.startswith("#")]
+        (folder / name).write_text("\n".join(lines[first:last]) + "\n")
+    return folder
+
+
+class MapTest(ProgramTest):
+    def report(self, out):
+        return json.loads((out / "report.json").read_text())
+
+    def map_with(self, name, *arguments):
+        self.run_well("map", *arguments, "--output", self.folder / name)
+        return self.folder / name
+
+    def test_the_frames_of_a_log_or_of_its_recording_give_the_same_map(self):
+        source = f"tum:{WORK / 'small'}"
+        self.run_well("collect", "--input", source, "--log", self.folder / "raw.lcm", "--record-raw", "--raw-colour", "png")
+        log, _ = self.collect(source)
+        from_log = self.map_with("a", self.folder / "raw.lcm")
+        from_recording = self.map_with("b", log, "--frames", source)
+        slices = self.map_with("c", log)
+        for out, surface in ((from_log, "frames"), (from_recording, "frames"), (slices, "slices")):
+            self.assertEqual(self.report(out)["segments"]["list"][0]["surface"], surface)
+            self.assertFalse((out / "bricks.tmp").exists())
+        self.assertEqual((from_log / "map.ply").read_bytes(), (from_recording / "map.ply").read_bytes())
+        self.assertGreater(self.report(slices)["map"]["triangles"], 10_000)
+        ratio = self.report(from_log)["map"]["triangles"] / self.report(slices)["map"]["triangles"]
+        self.assertTrue(0.9 < ratio < 1.1, ratio)
+
+    def test_two_halves_are_joined_by_what_both_saw(self):
+        truth = WORK / "turning" / "groundtruth.txt"
+        logs = []
+        for name, first, last in (("a", 0, 70), ("b", 45, 110)):
+            folder = self.folder / name
+            shutil.copytree(WORK / "turning", folder)
+            logs.append(self.collect(f"tum:{split(folder, first, last)}", self.folder / f"{name}.lcm")[0])
+        out = self.map_with("joined", *logs)
+        report = self.report(out)
+        self.assertEqual(len(report["segments"]["list"]), 1, report["segments"])
+        self.assertEqual(report["segments"]["list"][0]["joined"], [1])
+        self.assertEqual(report["frames"]["processed"], 135)
+        self.assertFalse((out / "segment-1").exists())
+        error = self.evaluate("trajectory", estimate=out / "trajectory.txt", groundtruth=truth)
+        self.assertLess(error["ate"]["rmse_m"], 0.01)
+        apart = self.report(self.map_with("apart", *logs, "--loops", "none"))
+        self.assertEqual(len(apart["segments"]["list"]), 2)
+
+    def test_formats_and_options(self):
+        log, _ = self.collect(f"tum:{WORK / 'small'}")
+        whole = self.map_with("whole", log, "--format", "ply,obj,glb", "--min-island", "0")
+        self.assertEqual((whole / "map.glb").read_bytes()[:4], b"glTF")
+        self.assertIn("\nf ", (whole / "map.obj").read_text())
+        triangles = self.report(whole)["map"]["triangles"]
+        self.assertEqual(self.report(whole)["segments"]["list"][0]["dropped_islands"], 0)
+        few = self.map_with("few", log, "--simplify", "0.25")
+        _, kept = read_ply(few / "map.ply")
+        self.assertTrue(0.2 * triangles < len(kept) < 0.3 * triangles, (len(kept), triangles))
+        self.assertGreater(self.report(few)["segments"]["list"][0]["dropped_islands"], 0)
+        self.run_badly("map", log, "--output", self.folder / "x", "--format", "stl", naming=["stl"])
+        self.run_badly("map", log, "--output", self.folder / "x", "--surface", "frames", naming=["holds no raw frames", "--frames"])
+        later = self.copy_of("small")
+        for name in ("rgb.txt", "depth.txt"):
+            lines = [line.split() for line in (later / name).read_text().splitlines() if not line.startswith("#")]
+            (later / name).write_text("".join(f"{float(stamp) + 1000:.6f} {image}\n" for stamp, image in lines))
+        self.run_badly("map", log, "--output", self.folder / "x", "--frames", f"tum:{later}", naming=["time stamp"])
+        self.run_badly("map", log, log, "--output", self.folder / "x", "--frames", f"tum:{WORK / 'small'}",
+                       naming=["one recording for each log"])
+
+
+if __name__ == "__main__":
+    unittest.main()
