@@ -33,7 +33,9 @@ class Placing {
 
   PlacedMission run(const std::function<void(double)>& progress) {
     if (config_.loops == LoopSource::kLog) placed_.candidates = session_.loop_closures;
-    if (config_.loops == LoopSource::kSearch) {
+    // A log that has lost its session event has lost its camera too.
+    const bool has_camera = session_.header.calibration.problem().empty();
+    if (config_.loops == LoopSource::kSearch && has_camera) {
       const std::map<int64_t, size_t> indices = indices_by_sequence(session_.trajectory);
       std::vector<Keyframe> keyframes;
       std::vector<size_t> at;  // index of the pose of each

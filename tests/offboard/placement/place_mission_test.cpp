@@ -90,6 +90,12 @@ TEST(PlaceMission, TheCollectorsClosuresServeToo) {
   EXPECT_LT(largest_error_m(placed), 0.1);
 }
 
+TEST(PlaceMission, WithoutACalibrationOdometryStands) {
+  Session session = turning();
+  session.header.calibration = {};
+  EXPECT_FALSE(place_mission(session, {}, kNobody).is_optimised());
+}
+
 TEST(PlaceMission, AKeyframeWithoutItsPoseIsLeftOut) {
   Session session = turning();
   session.trajectory.erase(session.trajectory.begin() + 20);
