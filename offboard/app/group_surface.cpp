@@ -16,6 +16,15 @@
 #include "shared/core/check.h"
 
 namespace kt {
+namespace {
+
+constexpr const char* kOtherMission =
+    "the frames are those of another mission: their time stamps or their depth are not what the log holds";
+
+// So many more keyframes may be shown otherwise than as they are, before all are known.
+constexpr int64_t kDoubtful = 3;
+
+}  // namespace
 
 Mesh surface_of_slices(Group& group, int threads) {
   std::vector<Mesh> patches;
@@ -39,38 +48,41 @@ Mesh surface_of_slices(Group& group, int threads) {
   return one_sheet(patches, config).mesh;
 }
 
-Mesh surface_of_frames(const Group& group, std::span<const MissionFrames> missions,
-                       const Calibration& calibration, const exec::Device& device,
-                       const ReintegrationConfig& config, const std::filesystem::path& scratch,
-                       const std::function<void(double)>& progress) {
+Mesh surface_of_frames(const Group& group, std::span<const MissionFrames> missions, const Session& session,
+                       const exec::Device& device, const ReintegrationConfig& config,
+                       const std::filesystem::path& scratch, const std::function<void(double)>& progress) {
   constexpr double kFusing = 0.9;  // of the work
   const Trajectory poses = group.trajectory();
-  Reintegrator reintegrator(device, calibration, config, scratch);
-  int64_t count = 0, read = 0, fused = 0;
+  Reintegrator reintegrator(device, session.header.calibration, config, scratch);
+  std::map<int64_t, const Keyframe*> keyframes;  // by sequence
+  for (const Keyframe& keyframe : session.keyframes) keyframes.emplace(keyframe.sequence, &keyframe);
+  int64_t count = 0, read = 0, fused = 0, shown = 0, not_shown = 0;
   for (const MissionFrames& mission : missions) count += std::max<int64_t>(1, mission.source->frame_count());
   for (const MissionFrames& mission : missions) {
-    std::map<int64_t, Pose> T_world_camera;  // by stamp
+    std::map<int64_t, const StampedPose*> by_stamp;
     for (const StampedPose& pose : poses) {
       const bool is_of_mission =
           pose.sequence >= mission.first_sequence && pose.sequence < mission.end_sequence;
-      if (is_of_mission && pose.status == TrackingStatus::kGood)
-        T_world_camera.emplace(pose.timestamp_us, pose.T_odom_camera);
+      if (is_of_mission && pose.status == TrackingStatus::kGood) by_stamp.emplace(pose.timestamp_us, &pose);
     }
-    if (T_world_camera.empty()) continue;
+    if (by_stamp.empty()) continue;
     FrameSource& source = *mission.source;
     for (SourceItem item = source.next(); item.kind != SourceItem::Kind::kEnd; item = source.next()) {
       if (item.kind != SourceItem::Kind::kFrame) continue;
-      const auto found = T_world_camera.find(item.frame.timestamp_us);
-      if (found != T_world_camera.end()) {
-        item.frame.sequence += mission.first_sequence;
-        reintegrator.fuse(item.frame, found->second);
+      const auto found = by_stamp.find(item.frame.timestamp_us);
+      if (found != by_stamp.end()) {
+        const StampedPose& pose = *found->second;
+        item.frame.sequence = pose.sequence;
+        reintegrator.fuse(item.frame, pose.T_odom_camera);
         ++fused;
+        if (const auto keyframe = keyframes.find(pose.sequence); keyframe != keyframes.end())
+          ++(reintegrator.shows(keyframe->second->depth) ? shown : not_shown);
+        if (not_shown > shown + kDoubtful) throw Error(kOtherMission);
       }
       progress(kFusing * std::min(1.0, static_cast<double>(++read) / static_cast<double>(count)));
     }
   }
-  if (fused == 0 && group.good_frames() > 0)
-    throw Error("none of the frames has the time stamp of a good pose: are they those of another mission?");
+  if (fused == 0 || not_shown > shown) throw Error(kOtherMission);
   std::vector<CloudSlice> tiles;
   reintegrator.extract([&](CloudSlice tile) { tiles.push_back(std::move(tile)); },
                        [&](double share) { progress(kFusing + (1 - kFusing) * share); });

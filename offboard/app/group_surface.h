@@ -25,11 +25,11 @@ struct MissionFrames {
 };
 
 /// What all good frames of the group see, fused anew at the group's poses; the sources may give other frames
-/// too. `scratch`: a file for voxels, removed in the end. Throws kt::Error where they give none of the
-/// group's.
-Mesh surface_of_frames(const Group& group, std::span<const MissionFrames> missions,
-                       const Calibration& calibration, const exec::Device& device,
-                       const ReintegrationConfig& config, const std::filesystem::path& scratch,
-                       const std::function<void(double)>& progress);
+/// too. `session`: for the calibration, and the keyframes. `scratch`: a file for voxels, removed in the end.
+/// Throws kt::Error where the frames are those of another mission: none has the stamp of a good pose, or
+/// keyframes show something else.
+Mesh surface_of_frames(const Group& group, std::span<const MissionFrames> missions, const Session& session,
+                       const exec::Device& device, const ReintegrationConfig& config,
+                       const std::filesystem::path& scratch, const std::function<void(double)>& progress);
 
 }  // namespace kt

@@ -109,7 +109,7 @@ GroupMap map_of(Group group, const JoinedSession& joined, double voxel_size_m, c
     map.surface = SurfaceSource::kFrames;
     ReintegrationConfig config;
     config.volume.voxel_size_m = voxel_size_m;
-    map.map = surface_of_frames(group, missions, joined.session.header.calibration, options.device, config,
+    map.map = surface_of_frames(group, missions, joined.session, options.device, config,
                                 options.output / "bricks.tmp", tell);
   }
   map.islands = drop_small_islands(options.islands, map.map);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/reintegration/reintegrator.h"
 
+#include <cmath>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -55,8 +56,28 @@ void Reintegrator::fuse(const RgbdFrame& frame, const Pose& T_world_camera) {
     store_.read(inside, [this](auto bricks) { volume_.put(bricks); });
     store_.erase(inside);  // a surface may turn out to be none
   }
-  volume_.integrate(preprocessor_.process(frame), T_world_camera, frame.sequence);
+  maps_ = &preprocessor_.process(frame);
+  volume_.integrate(*maps_, T_world_camera, frame.sequence);
   last_us_ = frame.timestamp_us;
+}
+
+bool Reintegrator::shows(const Image<uint16_t>& keyframe_depth) const {
+  // Other limits of the depth leave out other pixels, and other filters give other millimetres.
+  constexpr float kAgreement = 0.05f;  // of the depth
+  const SurfaceLevel& level = maps_->levels[2];
+  const std::vector<float> metres = level.depth.downloaded();
+  const DepthView view{metres.data(), level.camera.width, level.camera.height};
+  if (keyframe_depth.width() != view.width || keyframe_depth.height() != view.height) return false;
+  int64_t both = 0, agreeing = 0;
+  for (int v = 0; v < view.height; ++v) {
+    for (int u = 0; u < view.width; ++u) {
+      const float expected = 0.001f * static_cast<float>(keyframe_depth(u, v)), z = view.at(u, v);
+      if (expected <= 0 || z <= 0) continue;
+      ++both;
+      agreeing += std::abs(z - expected) < kAgreement * expected;
+    }
+  }
+  return both > 0 && 2 * agreeing > both;
 }
 
 VoxelBounds Reintegrator::bounds_at(Vec3i origin_brick) const {

@@ -32,6 +32,9 @@ class Reintegrator {
   /// Fuses a frame seen from T_world_camera.
   void fuse(const RgbdFrame& frame, const Pose& T_world_camera);
 
+  /// Whether the frame that was fused last shows the depth that a keyframe has kept of it (Keyframe::depth).
+  bool shows(const Image<uint16_t>& keyframe_depth) const;
+
   /// Hands over the surface, tile by tile, ascending by z, y and x: slices in the world frame that weld
   /// without gap, each cell in one of them; is told the share done. Call once, after the last frame.
   void extract(const std::function<void(CloudSlice)>& take, const std::function<void(double)>& progress);
@@ -45,6 +48,7 @@ class Reintegrator {
   Preprocessor preprocessor_;
   TsdfVolume volume_;
   BrickStore store_;
+  const FrameMaps* maps_ = nullptr;  // of the last frame
   int64_t last_us_ = 0;
 };
 

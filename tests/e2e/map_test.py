@@ -75,7 +75,9 @@ class MapTest(ProgramTest):
         for name in ("rgb.txt", "depth.txt"):
             lines = [line.split() for line in (later / name).read_text().splitlines() if not line.startswith("#")]
             (later / name).write_text("".join(f"{float(stamp) + 1000:.6f} {image}\n" for stamp, image in lines))
-        self.run_badly("map", log, "--output", self.folder / "x", "--frames", f"tum:{later}", naming=["time stamp"])
+        self.run_badly("map", log, "--output", self.folder / "x", "--frames", f"tum:{later}", naming=["another mission"])
+        self.run_badly("map", log, "--output", self.folder / "x", "--frames", f"tum:{WORK / 'elsewhere'}",
+                       naming=["another mission"])
         self.run_badly("map", log, log, "--output", self.folder / "x", "--frames", f"tum:{WORK / 'small'}",
                        naming=["one recording for each log"])
 
