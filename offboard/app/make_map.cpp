@@ -104,7 +104,7 @@ GroupMap map_of(Group group, const JoinedSession& joined, double voxel_size_m, c
   const std::vector<MissionFrames> missions =
       group.good_frames() > 0 ? frames_of(options, joined) : std::vector<MissionFrames>();
   if (missions.empty()) {
-    map.map = surface_of_slices(group, options.placement.threads);
+    map.map = surface_of_slices(group, options.placement.threads, &map.is_in_place);
   } else {
     map.surface = SurfaceSource::kFrames;
     ReintegrationConfig config;
@@ -150,6 +150,17 @@ std::string groups_text(const std::vector<GroupMap>& maps) {
   return text;
 }
 
+std::string warning_text(const std::vector<GroupMap>& maps) {
+  std::string text;
+  for (const GroupMap& map : maps) {
+    if (map.is_in_place) continue;
+    text += "warning: segment " + std::to_string(map.group.number()) +
+            " would tear if its surface were bent to the optimised poses: it stands where odometry has it; " +
+            "--frames with the recording fuses it anew\n";
+  }
+  return text;
+}
+
 // "map.ply, map.glb, "
 std::string map_names(const std::vector<std::string>& formats) {
   std::string names;
@@ -164,7 +175,7 @@ std::string summary(const Session& session, const PlacedMission& placed, const s
          (maps[main].surface == SurfaceSource::kFrames ? "all frames" : "the collector's slices") +
          "\npath: " + std::to_string(maps[main].group.trajectory().size()) + " poses\nwritten to " +
          options.output.string() + ": " + map_names(options.formats) +
-         "trajectory.txt, poses.g2o, report.json\n" + groups_text(maps);
+         "trajectory.txt, poses.g2o, report.json\n" + groups_text(maps) + warning_text(maps);
 }
 
 }  // namespace

@@ -7,8 +7,6 @@
 #include <set>
 #include <utility>
 
-#include "shared/core/check.h"
-
 namespace kt {
 
 int64_t Group::good_frames() const {
@@ -55,30 +53,30 @@ std::vector<Group> take_groups(Session& session, const PlacedMission& placed) {
 }
 
 size_t main_group(std::span<const Group> groups) {
-  KT_CHECK(!groups.empty());
-  const auto key = [](const Group& group) {
-    const bool has_poses = std::any_of(group.segments.begin(), group.segments.end(),
-                                       [](const Segment& segment) { return !segment.trajectory.empty(); });
-    return std::pair(group.good_frames(), has_poses);
-  };
-  const auto main = std::max_element(groups.begin(), groups.end(),
-                                     [&key](const Group& a, const Group& b) { return key(a) < key(b); });
-  return static_cast<size_t>(main - groups.begin());
+  std::vector<Importance> importances;
+  for (const Group& group : groups) {
+    Importance& sum = importances.emplace_back();
+    for (const Segment& segment : group.segments) {
+      const Importance one = importance_of(segment);
+      sum = {sum.good_frames + one.good_frames, sum.has_poses || one.has_poses};
+    }
+  }
+  return main_index(importances);
 }
 
 PoseGraph graph_of(const Group& group, const PlacedMission& placed) {
   PoseGraph graph;
-  std::set<int64_t> ids;
-  bool has_fixed = false;
-  const Trajectory poses = group.trajectory();
-  for (const StampedPose& pose : poses) ids.insert(pose.sequence);
-  std::map<int64_t, bool> fixed;
+  std::set<int64_t> ids, fixed;  // every segment brings a fixed pose: of those of a group the first stays
   for (const PoseGraph::Node& node : placed.measured.graph.nodes) {
-    if (ids.contains(node.id))
-      fixed[node.id] = node.is_fixed && !std::exchange(has_fixed, has_fixed || node.is_fixed);
+    if (node.is_fixed) fixed.insert(node.id);
   }
-  for (const StampedPose& pose : poses)
-    graph.nodes.push_back({pose.sequence, pose.T_odom_camera, fixed.at(pose.sequence)});
+  bool has_fixed = false;
+  for (const StampedPose& pose : group.trajectory()) {
+    ids.insert(pose.sequence);
+    const bool is_fixed = !has_fixed && fixed.contains(pose.sequence);
+    has_fixed |= is_fixed;
+    graph.nodes.push_back({pose.sequence, pose.T_odom_camera, is_fixed});
+  }
   for (size_t e = 0; e < placed.measured.graph.edges.size(); ++e) {
     const PoseGraph::Edge& edge = placed.measured.graph.edges[e];
     const bool is_believed = !placed.is_optimised() || placed.solution.edges[e].weight > 0;

@@ -26,8 +26,7 @@ struct Group {
 /// log has lost all poses stands alone.
 std::vector<Group> take_groups(Session& session, const PlacedMission& placed);
 
-/// Index of the one with the most good frames, the earliest of equals; one with poses before one without.
-/// Needs at least one.
+/// Index of the main one, as main_index(). Needs at least one.
 size_t main_group(std::span<const Group> groups);
 
 /// The graph of a group: its poses in world, and the edges between them that are believed.

@@ -134,6 +134,7 @@ Json group_json(const GroupMap& map) {
           {"surface", map.surface == SurfaceSource::kFrames ? "frames" : "slices"},
           {"vertices", map.map.vertices.size()},
           {"triangles", map.map.triangles.size()},
+          {"in_place", map.is_in_place},
           {"dropped_islands", map.islands.dropped_islands},
           {"path_length_m", path_length_m(trajectory)},
           {"folder", map.folder.empty() ? Json() : Json(map.folder)}};

@@ -34,6 +34,9 @@ struct GroupMap {
   Group group;
   Mesh map;
   SurfaceSource surface = SurfaceSource::kSlices;
+  /// False where bending the slices to the poses would have torn them: a segment's stand where odometry has
+  /// them.
+  bool is_in_place = true;
   IslandReport islands;
   std::string folder;  ///< within the output folder: "." for the main group; "" where nothing is written
 };

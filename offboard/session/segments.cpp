@@ -29,14 +29,19 @@ std::vector<Segment> take_segments(Session& session) {
   return segments;
 }
 
+Importance importance_of(const Segment& segment) {
+  return {segment.good_frames(), !segment.trajectory.empty()};
+}
+
+size_t main_index(std::span<const Importance> importances) {
+  KT_CHECK(!importances.empty());
+  return static_cast<size_t>(std::max_element(importances.begin(), importances.end()) - importances.begin());
+}
+
 size_t main_segment(std::span<const Segment> segments) {
-  KT_CHECK(!segments.empty());
-  const auto key = [](const Segment& segment) {
-    return std::pair(segment.good_frames(), !segment.trajectory.empty());
-  };
-  const auto main = std::max_element(segments.begin(), segments.end(),
-                                     [&key](const auto& a, const auto& b) { return key(a) < key(b); });
-  return static_cast<size_t>(main - segments.begin());
+  std::vector<Importance> importances;
+  for (const Segment& segment : segments) importances.push_back(importance_of(segment));
+  return main_index(importances);
 }
 
 }  // namespace kt

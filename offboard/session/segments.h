@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -25,8 +26,16 @@ struct Segment {
 /// ascend along the mission: the camera may come back into an earlier segment.
 std::vector<Segment> take_segments(Session& session);
 
-/// Index of the one with the most good frames, the earliest of equals; one with poses before one without.
-/// Needs at least one segment.
+/// What the main one of several segments, or groups of them, has most of: good frames, else poses at all.
+struct Importance {
+  int64_t good_frames = 0;
+  bool has_poses = false;
+  friend auto operator<=>(const Importance&, const Importance&) = default;
+};
+Importance importance_of(const Segment& segment);
+
+/// Index of the greatest, the earliest of equals. Needs at least one.
+size_t main_index(std::span<const Importance> importances);
 size_t main_segment(std::span<const Segment> segments);
 
 }  // namespace kt

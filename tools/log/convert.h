@@ -25,7 +25,7 @@ using FrameProgress = std::function<void(int64_t done, int64_t total)>;
 /// One of
 ///   a source as open_source takes it  ->  FILE.lcm, a log of its raw frames and motion samples
 ///   a log of a mission                ->  FILE.txt, its poses as a TUM trajectory: those of
-///                                         main_segment, as kintsugi-map writes them
+///                                         main_segment, as the collector's odometry has them
 ///   a log of raw frames               ->  any other name: a TUM folder (rgb/, depth/, rgb.txt, depth.txt,
 ///   calibration.yaml; odometry.txt where there are motion samples of poses: velocities have no place in it)
 /// Images of a log go to the folder byte by byte. Returns one line that says what was done, with which

@@ -9,6 +9,7 @@
 #include "offboard/map/quadric.h"
 #include "shared/io/ply.h"
 #include "tests/offboard/map/made_sheets.h"
+#include "tests/offboard/map/mesh_area.h"
 
 namespace kt::test {
 namespace {
@@ -55,14 +56,6 @@ std::set<std::array<float, 3>> border_of(const Mesh& mesh) {
       points.insert({mesh.vertices[v].x, mesh.vertices[v].y, mesh.vertices[v].z});
   }
   return points;
-}
-
-double area_m2(const Mesh& mesh) {
-  double area = 0;
-  for (const auto& [a, b, c] : mesh.triangles)
-    area += 0.5 * static_cast<double>(
-                      norm(cross(mesh.vertices[b] - mesh.vertices[a], mesh.vertices[c] - mesh.vertices[a])));
-  return area;
 }
 
 TEST(Quadric, IsTheWeightedSumOfSquaredDistancesAndLeastWherePlanesMeet) {

@@ -11,6 +11,7 @@
 #include "offboard/map/weld.h"
 #include "shared/io/ply.h"
 #include "tests/offboard/map/made_slices.h"
+#include "tests/offboard/map/mesh_area.h"
 #include "tests/onboard/fusion/corridor.h"
 
 namespace kt::test {
@@ -94,14 +95,6 @@ TEST(WeldStays, SlicesWeldedAloneAreOneSheetOnceCoincidentVerticesAreJoined) {
   EXPECT_GT(one.mesh.vertices.size(), whole.vertices.size());
   EXPECT_EQ(joined.vertices.size(), whole.vertices.size());
   EXPECT_EQ(joined.triangles.size(), whole.triangles.size());
-}
-
-double area_m2(const Mesh& mesh) {
-  double area = 0;
-  for (const auto& [a, b, c] : mesh.triangles)
-    area += 0.5 * static_cast<double>(
-                      norm(cross(mesh.vertices[b] - mesh.vertices[a], mesh.vertices[c] - mesh.vertices[a])));
-  return area;
 }
 
 // A corridor there and back, with noise: what real slices are like.

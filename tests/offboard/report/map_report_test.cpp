@@ -51,7 +51,8 @@ struct Made {
     placed.candidates = session.loop_closures;
     for (Group& group : take_groups(session, placed)) {
       Mesh map = weld(group.segments.front().slices);
-      maps.push_back({std::move(group), std::move(map), SurfaceSource::kSlices, {}, maps.empty() ? "." : ""});
+      maps.push_back(
+          {std::move(group), std::move(map), SurfaceSource::kSlices, true, {}, maps.empty() ? "." : ""});
     }
   }
 };
@@ -107,7 +108,7 @@ TEST(MapReport, ListsSegmentsAndTellsMissionFromMainSegment) {
   ASSERT_EQ(segments["list"].size(), 2u);
   EXPECT_EQ(segments["list"][0],
             nlohmann::json::parse(R"({"number": 0, "joined": [], "frames": 2, "good": 2, "first_us": 0,
-              "last_us": 1000000, "surface": "slices", "vertices": 5, "triangles": 3, "dropped_islands": 0, "path_length_m": 7.0, "folder": "."})"));
+              "last_us": 1000000, "surface": "slices", "vertices": 5, "triangles": 3, "in_place": true, "dropped_islands": 0, "path_length_m": 7.0, "folder": "."})"));
   EXPECT_EQ(segments["list"][1]["number"], 4);
   EXPECT_EQ(segments["list"][1]["good"], 0);
   EXPECT_TRUE(segments["list"][1]["folder"].is_null());
