@@ -26,7 +26,7 @@ constexpr int64_t kDoubtful = 3;
 
 }  // namespace
 
-Mesh surface_of_slices(Group& group, int threads, bool* is_in_place) {
+Mesh surface_of_slices(Group& group, std::span<const LoopClosure> closures, int threads, bool* is_in_place) {
   std::vector<Mesh> patches;
   bool has_moved = group.segments.size() > 1;
   double voxel_size_m = 0;
@@ -35,8 +35,12 @@ Mesh surface_of_slices(Group& group, int threads, bool* is_in_place) {
     DeformationGraph graph = build_deformation_graph(segment.trajectory, group.T_world_camera[s]);
     has_moved |= !graph.is_identity();
     if (!has_moved || segment.slices.empty()) continue;
-    *is_in_place &=
-        solve(graph, camera_constraints(segment.trajectory, group.T_world_camera[s], graph.config)).accepted;
+    std::vector<PointConstraint> constraints =
+        camera_constraints(segment.trajectory, group.T_world_camera[s], graph.config);
+    for (const PointConstraint& one :
+         surface_constraints(segment.trajectory, group.T_world_camera[s], closures))
+      constraints.push_back(one);
+    *is_in_place &= solve(graph, constraints).accepted;
     const auto stays = stays_of(segment.slices);  // where odometry has them
     unify_pose_sequences(segment.slices);
     for (CloudSlice& slice : segment.slices) deform(graph, slice.vertices, threads);

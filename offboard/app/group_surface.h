@@ -15,10 +15,11 @@
 namespace kt {
 
 /// The group's slices bent to where its poses are, places seen twice in one sheet; moves their vertices
-/// there. A single segment none of whose poses has changed is welded as it is.
+/// there. A single segment none of whose poses has changed is welded as it is. The inliers of `closures`,
+/// those believed, count as surface constraints; none: poses alone bend it.
 ///
 /// `is_in_place` becomes false where the bend of a segment was refused, for it would have torn the surface.
-Mesh surface_of_slices(Group& group, int threads, bool* is_in_place);
+Mesh surface_of_slices(Group& group, std::span<const LoopClosure> closures, int threads, bool* is_in_place);
 
 /// Where the frames of a mission come from, and which sequences the session gave them.
 struct MissionFrames {

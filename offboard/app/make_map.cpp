@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "offboard/app/group_surface.h"
+#include "offboard/app/logged_config.h"
 #include "offboard/app/segment_folders.h"
 #include "offboard/report/map_report.h"
 #include "offboard/session/integrity_report.h"
@@ -98,18 +99,17 @@ double voxel_size_of(const MapOptions& options, const Session& session) {
   return session.slices.empty() ? VolumeConfig{}.voxel_size_m : session.slices.front().voxel_size_m;
 }
 
-GroupMap map_of(Group group, const JoinedSession& joined, double voxel_size_m, const MapOptions& options,
-                const std::function<void(double)>& tell) {
+GroupMap map_of(Group group, const JoinedSession& joined, std::span<const LoopClosure> closures,
+                double voxel_size_m, const MapOptions& options, const std::function<void(double)>& tell) {
   GroupMap map;
   const std::vector<MissionFrames> missions =
       group.good_frames() > 0 ? frames_of(options, joined) : std::vector<MissionFrames>();
   if (missions.empty()) {
-    map.map = surface_of_slices(group, options.placement.threads, &map.is_in_place);
+    map.map = surface_of_slices(group, closures, options.placement.threads, &map.is_in_place);
   } else {
     map.surface = SurfaceSource::kFrames;
-    ReintegrationConfig config;
-    config.volume.voxel_size_m = voxel_size_m;
-    map.map = surface_of_frames(group, missions, joined.session, options.device, config,
+    map.map = surface_of_frames(group, missions, joined.session, options.device,
+                                reintegration_config(joined.session.header, voxel_size_m),
                                 options.output / "bricks.tmp", tell);
   }
   map.islands = drop_small_islands(options.islands, map.map);
@@ -190,13 +190,15 @@ std::string make_map(const MapOptions& options, const StepProgress& progress) {
   const double voxel_size_m = voxel_size_of(options, session);
   std::vector<Group> groups = take_groups(session, placed);
   const size_t main = main_group(groups);
+  std::vector<LoopClosure> closures;  // whose points bend the surface
+  if (options.surface_constraints && placed.is_optimised()) closures = placed.believed_closures();
   const std::vector<GroupMap> maps = steps.run("surface", [&](const auto& tell) {
     std::vector<GroupMap> made;
     for (size_t i = 0; i < groups.size(); ++i) {
       const auto tell_of_group = [&](double share) {
         tell((static_cast<double>(i) + share) / static_cast<double>(groups.size()));
       };
-      made.push_back(map_of(std::move(groups[i]), joined, voxel_size_m, options, tell_of_group));
+      made.push_back(map_of(std::move(groups[i]), joined, closures, voxel_size_m, options, tell_of_group));
       made.back().folder = folder_of(made.back(), i == main);
     }
     return made;

@@ -30,6 +30,7 @@ struct MapOptions {
   std::filesystem::path output;  ///< folder, made where it is missing; files of earlier runs are replaced
   PlacementConfig placement{};
   SurfaceChoice surface = SurfaceChoice::kAuto;
+  bool surface_constraints = false;  ///< bent slices heed the inlier points of loop closures too
   /// Where the frames come from, as open_source takes it, in the order of the logs; empty: the logs
   /// themselves.
   std::vector<std::string> frames{};

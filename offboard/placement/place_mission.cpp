@@ -82,6 +82,14 @@ class Placing {
 
 }  // namespace
 
+std::vector<LoopClosure> PlacedMission::believed_closures() const {
+  std::vector<LoopClosure> believed;
+  for (size_t k = 0; k < measured.loops.size(); ++k) {
+    if (solution.edges[measured.loop_edges[k]].weight > 0) believed.push_back(candidates[measured.loops[k]]);
+  }
+  return believed;
+}
+
 PlacedMission place_mission(const Session& session, const PlacementConfig& config,
                             const std::function<void(double)>& progress) {
   return Placing(session, config).run(progress);

@@ -33,6 +33,8 @@ struct PlacedMission {
   MissionGraph measured;                ///< poses as logged, and the accepted candidates as edges
   OptimisedGraph solution;              ///< of `measured`; empty where no loop was accepted
   bool is_optimised() const { return !solution.T_world_node.empty(); }
+  /// The closures that the optimiser kept.
+  std::vector<LoopClosure> believed_closures() const;
 };
 
 /// Finds loop closures and optimises the pose graph; searches twice, for better poses show what else is near.
