@@ -149,11 +149,20 @@ void graduate(const IndexedGraph& graph, LoopDecision& decision, std::vector<Pos
     if (!is_undecided) break;
     mu *= kMuStep;
   }
-  // A true loop with the bad luck of the one in a hundred is where the others want it all the same.
-  approach(graph, weight, decision, T_world_node);
-  const std::vector<double> squares = squared_errors(graph, GraphResidual::kSe3, T_world_node);
+  // A true loop with the bad luck of the one in a hundred is where the others want it all the same; and those
+  // that come back draw the poses to where more of them are.
+  for (bool has_grown = true; has_grown;) {
+    approach(graph, weight, decision, T_world_node);
+    const std::vector<double> squares = squared_errors(graph, GraphResidual::kSe3, T_world_node);
+    has_grown = false;
+    for (size_t e = 0; e < weight.size(); ++e) {
+      if (!is_tried[e] || weight[e] > 0 || squares[e] >= kGate) continue;
+      weight[e] = 1;
+      has_grown = true;
+    }
+  }
   for (size_t e = 0; e < weight.size(); ++e) {
-    if (!is_tried[e] || weight[e] > 0 || squares[e] < kGate) continue;
+    if (!is_tried[e] || weight[e] > 0) continue;
     decision.weight[e] = 0;
     decision.outcome[e] = LoopOutcome::kInconsistent;
   }

@@ -42,7 +42,7 @@ class MapTest(ProgramTest):
 
     def test_frames_are_fused_with_the_limits_that_their_log_was_collected_with(self):
         source = f"tum:{WORK / 'small'}"
-        log, _ = self.collect(source, settings=["preprocess.depth_max_m=2.5"])
+        log, _ = self.collect(source, settings=["preprocess.depth_max_m=1.5"])
         near = self.report(self.map_with("near", log, "--frames", source))["map"]["triangles"]
         slices = self.report(self.map_with("slices", log))["map"]["triangles"]
         far_log, _ = self.collect(source, self.folder / "far.lcm")

@@ -29,8 +29,31 @@ std::vector<Pose> there_and_back() {
   return poses;
 }
 
-/// What the collector would have written, had odometry slipped by kDrift_m where the camera turns back, in a
-/// volume so small that it has left what it comes back to; and closures between the two ways.
+/// Slips by kDrift_m where the camera turns back.
+Pose odometry(const std::vector<Pose>& truth, size_t k) {
+  Pose T = truth[k];
+  if (k >= kSteps) T.pretranslate(kDrift_m);
+  return T;
+}
+
+/// In a volume so small that it has left what it comes back to.
+std::vector<CloudSlice> fused(const std::vector<Pose>& truth) {
+  test::Recorder recorder{
+      .scene = test::corridor(), .preprocess = test::near_only(), .config = test::moving_volume()};
+  std::vector<CloudSlice> slices;
+  recorder.volume.follow(truth.front());
+  for (size_t k = 0; k < truth.size(); ++k) {
+    const Pose T_odom_camera = odometry(truth, k);
+    if (auto slice = recorder.volume.follow(T_odom_camera)) slices.push_back(std::move(*slice));
+    const test::RenderOptions noise{.noise_sigmas = 1, .seed = 7, .sequence = static_cast<int64_t>(k)};
+    const RgbdFrame frame = test::render(recorder.scene, recorder.calibration, truth[k], noise);
+    recorder.volume.integrate(recorder.preprocessor.process(frame), T_odom_camera, static_cast<int64_t>(k));
+  }
+  slices.push_back(recorder.volume.flush());
+  return slices;
+}
+
+/// What the collector writes of that, and closures between the two ways.
 void record(const std::filesystem::path& log, const std::vector<Pose>& truth) {
   LogSink sink(log);
   SessionHeader header = sample_session();
@@ -40,8 +63,7 @@ void record(const std::filesystem::path& log, const std::vector<Pose>& truth) {
     StampedPose pose = sample_stamped_pose(static_cast<int64_t>(k));
     pose.segment = 0;
     pose.status = TrackingStatus::kGood;
-    pose.T_odom_camera = truth[k];
-    if (k >= kSteps) pose.T_odom_camera.pretranslate(kDrift_m);
+    pose.T_odom_camera = odometry(truth, k);
     pose.information = k == kSteps ? information_of(0.01, 0.05) : information_of(0.0005, 0.0005);
     sink.on_pose(pose);
   }
@@ -55,18 +77,11 @@ void record(const std::filesystem::path& log, const std::vector<Pose>& truth) {
     loop.information = information_of(0.001, 0.002);
     sink.on_loop_closure(loop);
   }
-  std::vector<CloudSlice> slices = test::drive(test::moving_volume(), test::corridor(), truth, truth.front(),
-                                               {.noise_sigmas = 1, .seed = 7})
-                                       .slices;
+  std::vector<CloudSlice> slices = fused(truth);
   for (size_t s = 0; s < slices.size(); ++s) {
     slices[s].segment = 0;
     slices[s].sequence = static_cast<int64_t>(s);
     slices[s].is_final = s + 1 == slices.size();
-    for (SliceVertex& vertex : slices[s].vertices) {
-      if (vertex.pose_sequence < kSteps) continue;
-      const Eigen::Vector3f drift = kDrift_m.cast<float>();
-      vertex.p_odom = vertex.p_odom + Vec3f{drift.x(), drift.y(), drift.z()};
-    }
     sink.on_slice(slices[s]);
   }
   sink.on_status(sample_status());
