@@ -85,4 +85,9 @@ struct StampedPose {
 
 using Trajectory = std::vector<StampedPose>;
 
+/// Where the camera was at the stamps, for poses that were measured `stamp_delay_s` before them
+/// (Calibration::stamp_delay_s), by the velocity to the next pose or, where none follows, from the last one.
+/// Nothing else changes.
+Trajectory at_stamps(const Trajectory& measured, double stamp_delay_s);
+
 }  // namespace kt
