@@ -11,6 +11,7 @@
 
 #include "offboard/map/islands.h"
 #include "offboard/placement/groups.h"
+#include "offboard/stages/stage_runner.h"
 #include "shared/io/mesh.h"
 #include "shared/types/session.h"
 
@@ -18,8 +19,8 @@ namespace kt {
 
 /// What depends on machine and moment.
 struct RunFigures {
-  std::vector<std::string> logs;                        ///< paths as given
-  std::vector<std::pair<std::string, double>> steps_s;  ///< wall time of each step
+  std::vector<std::string> logs;  ///< paths as given
+  std::vector<StageDone> stages;  ///< in their order
   int64_t peak_memory_bytes = 0;
 };
 
@@ -41,6 +42,13 @@ struct GroupMap {
   std::string folder;  ///< within the output folder: "." for the main group; "" where nothing is written
 };
 
+/// A file of the map, as it was written.
+struct MapFile {
+  std::string name;  ///< within the output folder
+  int64_t bytes = 0;
+  std::string digest;  ///< of its content
+};
+
 /// Metres from pose to pose.
 double path_length_m(const Trajectory& trajectory);
 
@@ -48,6 +56,6 @@ double path_length_m(const Trajectory& trajectory);
 /// mission: `session` without its poses and slices, which the groups hold. All but "run" is the same for
 /// every run over the same log.
 std::string map_report(const Session& session, const PlacedMission& placed, std::span<const GroupMap> groups,
-                       size_t main, const RunFigures& run);
+                       size_t main, std::span<const MapFile> files, const RunFigures& run);
 
 }  // namespace kt

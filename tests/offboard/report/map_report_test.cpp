@@ -58,13 +58,15 @@ struct Made {
 };
 
 std::string report_of(const Session& session, const Made& made, const RunFigures& run = {}) {
-  return map_report(session, made.placed, made.maps, 0, run);
+  const std::vector<MapFile> files{{"map.ply", 1000, "0123456789abcdef"}, {"poses.g2o", 30, "00"}};
+  return map_report(session, made.placed, made.maps, 0, files, run);
 }
 
 TEST(MapReport, HoldsTheFiguresOfTheSession) {
   Session session = short_session();
   const Made made(session);
-  const auto json = nlohmann::json::parse(report_of(session, made, {{"a.lcm"}, {{"load", 1.5}}, 1 << 20}));
+  const auto json =
+      nlohmann::json::parse(report_of(session, made, {{"a.lcm"}, {{"load", 1.5, true, 4}}, 1 << 20}));
   EXPECT_EQ(json["frames"]["processed"], 3);
   EXPECT_EQ(json["frames"]["good"], 2);
   EXPECT_EQ(json["frames"]["uncertain"], 0);
@@ -91,7 +93,12 @@ TEST(MapReport, HoldsTheFiguresOfTheSession) {
   EXPECT_EQ(json["map"]["triangles"], 3);
   EXPECT_EQ(json["map"]["digest"], mesh_digest(made.maps[0].map).hex());
   EXPECT_FLOAT_EQ(json["map"]["high_m"][0], 0.4f);
-  EXPECT_EQ(json["run"]["steps_s"]["load"], 1.5);
+  EXPECT_EQ(json["files"][0],
+            nlohmann::json::parse(R"({"name": "map.ply", "bytes": 1000, "digest": "0123456789abcdef"})"));
+  EXPECT_EQ(json["digest"].get<std::string>().size(), 16u);
+  EXPECT_EQ(json["run"]["stages"][0],
+            nlohmann::json::parse(
+                R"({"name": "load", "seconds": 1.5, "from_file": true, "seconds_to_make": 4.0})"));
   EXPECT_EQ(json["run"]["peak_memory_bytes"], 1 << 20);
 }
 
@@ -117,8 +124,8 @@ TEST(MapReport, ListsSegmentsAndTellsMissionFromMainSegment) {
 TEST(MapReport, OnlyRunDependsOnTheRun) {
   Session session = short_session();
   const Made made(session);
-  auto first = nlohmann::json::parse(report_of(session, made, {{"a.lcm"}, {{"load", 1.5}}, 1}));
-  auto second = nlohmann::json::parse(report_of(session, made, {{"b.lcm"}, {{"load", 2.5}}, 2}));
+  auto first = nlohmann::json::parse(report_of(session, made, {{"a.lcm"}, {{"load", 1.5, false, 1.5}}, 1}));
+  auto second = nlohmann::json::parse(report_of(session, made, {{"b.lcm"}, {{"load", 2.5, false, 2.5}}, 2}));
   EXPECT_NE(first, second);
   first.erase("run");
   second.erase("run");

@@ -146,5 +146,31 @@ TEST(IntegrityReport, NamesEveryKindOfDamage) {
   EXPECT_EQ(integrity_json(integrity)["sound"], false);
 }
 
+TEST(LoadSession, AnIndexGivesTheSameSession) {
+  const ScratchDir folder;
+  std::vector<Message> messages = sample_messages();
+  messages.push_back(sample_stamped_pose(8));
+  messages.push_back(sample_stamped_pose(3));  // strays
+  write_log(folder / "a.lcm", messages);
+  LogIndex index;
+  const Session first = load_session(folder / "a.lcm", {}, &index);
+  EXPECT_EQ(index.raw_frames, 1);
+  EXPECT_EQ(index.positions.size(), messages.size() - 2) << "without the raw frame and the motion sample";
+  const Session second = load_session(folder / "a.lcm", index);
+  expect_equal(second.header, first.header);
+  ASSERT_EQ(second.trajectory.size(), 2u);
+  expect_equal(second.trajectory[1], first.trajectory[1]);
+  ASSERT_EQ(second.slices.size(), 1u);
+  expect_equal(second.slices[0], first.slices[0]);
+  ASSERT_EQ(second.keyframes.size(), 1u);
+  ASSERT_EQ(second.loop_closures.size(), 1u);
+  expect_equal(second.last_status, first.last_status);
+  EXPECT_EQ(second.integrity.events, first.integrity.events);
+  EXPECT_EQ(second.integrity.damaged_events, 1);
+  EXPECT_FALSE(second.integrity.final_slice_missing);
+  for (int64_t& position : index.positions) position += 4;
+  EXPECT_THROW(load_session(folder / "a.lcm", index), Error);
+}
+
 }  // namespace
 }  // namespace kt

@@ -105,7 +105,7 @@ TEST(StageArchive, FilesOfAnotherLengthAreErrors) {
   const ScratchDir folder;
   write(folder / "a", sample());
   const std::string whole = read_file(folder / "a");
-  for (size_t size = 0; size < whole.size(); ++size) {
+  for (size_t size = 0; size < whole.size(); size += 7) {
     write_file(folder / "a", whole.substr(0, size));
     EXPECT_THROW(read(folder / "a"), Error) << size;
   }
