@@ -10,6 +10,7 @@
 
 #include "offboard/app/group_surface.h"
 #include "offboard/app/segment_folders.h"
+#include "offboard/map/mesh_of_tiles.h"
 #include "offboard/report/map_report.h"
 #include "offboard/session/integrity_report.h"
 #include "offboard/session/join_sessions.h"
@@ -85,12 +86,18 @@ std::vector<MissionFrames> frames_of(const MapOptions& options, const JoinedSess
       throw Error(log +
                   " holds no raw frames: record with --record-raw, or name the recording with --frames");
     }
-    mission.first_sequence = joined.first_sequences[i];
+    mission.first_sequence = joined.missions[i].sequence;
     mission.end_sequence =
-        i + 1 < options.logs.size() ? joined.first_sequences[i + 1] : std::numeric_limits<int64_t>::max();
+        i + 1 < options.logs.size() ? joined.missions[i + 1].sequence : std::numeric_limits<int64_t>::max();
     missions.push_back(std::move(mission));
   }
   return missions;
+}
+
+std::vector<MissionLog> mission_logs(const MapOptions& options, const JoinedSession& joined) {
+  std::vector<MissionLog> logs;
+  for (size_t i = 0; i < options.logs.size(); ++i) logs.push_back({options.logs[i], joined.missions[i]});
+  return logs;
 }
 
 double voxel_size_of(const MapOptions& options, const Session& session) {
@@ -100,20 +107,25 @@ double voxel_size_of(const MapOptions& options, const Session& session) {
 
 GroupMap map_of(Group group, const JoinedSession& joined, double voxel_size_m, const MapOptions& options,
                 const std::function<void(double)>& tell) {
+  constexpr double kSurface = 0.9;  // of the work
   GroupMap map;
+  const std::filesystem::path tiles =
+      options.output / ("tiles-" + std::to_string(group.number()) + ".tmp");
+  const auto tell_of_surface = [&tell](double share) { tell(kSurface * share); };
   const std::vector<MissionFrames> missions =
       group.good_frames() > 0 ? frames_of(options, joined) : std::vector<MissionFrames>();
   if (missions.empty()) {
-    map.map = surface_of_slices(group, options.placement.threads, &map.is_in_place);
+    surface_of_slices(group, mission_logs(options, joined), {{}, options.placement.threads}, tiles, tell_of_surface,
+                      &map.is_in_place);
   } else {
     map.surface = SurfaceSource::kFrames;
     ReintegrationConfig config;
     config.volume.voxel_size_m = voxel_size_m;
-    map.map = surface_of_frames(group, missions, joined.session, options.device, config,
-                                options.output / "bricks.tmp", tell);
+    surface_of_frames(group, missions, joined.session, options.device, config, tiles, tell_of_surface);
   }
-  map.islands = drop_small_islands(options.islands, map.map);
-  if (options.simplify) simplify(*options.simplify, map.map);
+  map.map = mesh_of_tiles(TileFile(tiles), {options.islands, options.simplify}, tiles,
+                          [&tell](double share) { tell(kSurface + (1 - kSurface) * share); });
+  std::filesystem::remove(tiles);
   map.group = std::move(group);
   return map;
 }
@@ -121,11 +133,11 @@ GroupMap map_of(Group group, const JoinedSession& joined, double voxel_size_m, c
 // What has neither good frames nor surface is not written.
 std::string folder_of(const GroupMap& map, bool is_main) {
   if (is_main) return ".";
-  return map.group.good_frames() > 0 || !map.map.triangles.empty() ? segment_folder(map.group.number()) : "";
+  return map.group.good_frames() > 0 || map.map.mesh->triangles() > 0 ? segment_folder(map.group.number()) : "";
 }
 
-std::string size_text(const Mesh& map) {
-  return std::to_string(map.vertices.size()) + " vertices, " + std::to_string(map.triangles.size()) +
+std::string size_text(const MapMesh& map) {
+  return std::to_string(map.mesh->vertices()) + " vertices, " + std::to_string(map.mesh->triangles()) +
          " triangles";
 }
 

@@ -53,9 +53,10 @@ void write_group(const fs::path& output, const GroupMap& map, const PlacedMissio
                  const std::vector<std::string>& formats) {
   const fs::path folder = map.folder == "." ? output : output / map.folder;
   create_folder(folder);
+  const MeshStream mesh = map.map.mesh->stream();
   for (const std::string& format : formats) {
     const fs::path path = folder / map_file(format);
-    format == "pcd" ? write_cloud(path, map.map) : write_mesh(path, map.map);
+    format == "pcd" ? write_cloud(path, mesh) : write_mesh(path, mesh);
   }
   write_trajectory(folder / kTrajectory, map.group.trajectory());
   write_g2o(folder / kPoses, graph_of(map.group, placed));

@@ -47,7 +47,7 @@ struct Gatherer {
     if (!session.slices.empty() && slice.voxel_size_m != session.slices.front().voxel_size_m) {
       throw Error(path.string() + ": its slices differ in voxel size, so they are not of one mission");
     }
-    session.slices.push_back(std::move(slice));
+    session.slices.push_back(SliceInfo::of(slice));
   }
   void operator()(Keyframe&& keyframe) { session.keyframes.push_back(std::move(keyframe)); }
   void operator()(LoopClosure&& loop) { session.loop_closures.push_back(std::move(loop)); }

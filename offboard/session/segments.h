@@ -17,7 +17,7 @@ namespace kt {
 struct Segment {
   int number = 0;                  ///< as StampedPose::segment
   Trajectory trajectory;           ///< in order; empty where a damaged log has lost it
-  std::vector<CloudSlice> slices;  ///< in order
+  std::vector<SliceInfo> slices;   ///< in order
 
   int64_t good_frames() const;
 };
