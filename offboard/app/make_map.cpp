@@ -12,6 +12,7 @@
 #include "offboard/app/stage_fields.h"
 #include "offboard/app/stage_keys.h"
 #include "offboard/app/surfaces.h"
+#include "offboard/map/mesh_of_tiles.h"
 #include "offboard/report/map_report.h"
 #include "offboard/session/join_sessions.h"
 #include "shared/core/check.h"
@@ -45,36 +46,8 @@ JoinedSession load_all(const MapOptions& options, const TellShare& tell, const L
 // What has neither good frames nor surface is not written.
 std::string folder_of(const GroupMap& map, bool is_main) {
   if (is_main) return ".";
-  return map.group.good_frames() > 0 || !map.map.triangles.empty() ? segment_folder(map.group.number()) : "";
-}
-
-std::vector<GroupMap> finish_maps(std::vector<Group> groups, std::vector<GroupSurface> surfaces, size_t main,
-                                  const MapOptions& options) {
-  std::vector<GroupMap> maps;
-  for (size_t i = 0; i < groups.size(); ++i) {
-    GroupMap& map = maps.emplace_back();
-    map.group = std::move(groups[i]);
-    map.map = std::move(surfaces[i].mesh);
-    map.surface = surfaces[i].source;
-    map.is_in_place = surfaces[i].is_in_place;
-    map.islands = drop_small_islands(options.islands, map.map);
-    if (options.simplify) simplify(*options.simplify, map.map);
-    map.folder = folder_of(map, i == main);
-  }
-  return maps;
-}
-
-std::vector<MapFile> write_maps(const std::vector<GroupMap>& maps, const PlacedMission& placed,
-                                const MapOptions& options, const TellShare& tell) {
-  std::vector<MapFile> files;
-  remove_segment_folders(options.output);
-  for (size_t i = 0; i < maps.size(); ++i) {
-    if (maps[i].folder.empty()) continue;
-    for (MapFile& file : write_group(options.output, maps[i], placed, options.formats))
-      files.push_back(std::move(file));
-    tell(static_cast<double>(i + 1) / static_cast<double>(maps.size()));
-  }
-  return files;
+  return map.group.good_frames() > 0 || map.map.mesh->triangles() > 0 ? segment_folder(map.group.number())
+                                                                      : "";
 }
 
 // The stages one after the other, and what each leaves to the next.
@@ -82,7 +55,7 @@ class MapRun {
  public:
   MapRun(const MapOptions& options, const StageProgress& progress)
       : options_(options),
-        store_(options.keeps_stages ? options.output / "stages" : std::filesystem::path()),
+        store_(options.output / (options.keeps_stages ? "stages" : "stages.tmp"), options.keeps_stages),
         stages_(store_, progress) {}
 
   void load() {
@@ -130,27 +103,27 @@ class MapRun {
     groups_ = take_groups(joined_.session, placed_);
     const bool fuses = source_ == SurfaceSource::kFrames;
     key_ = fuses ? fuse_key(key_, options_.frames, fusion_) : deform_key(key_);
-    surfaces_ = stages_.run(fuses ? "fuse" : "deform", key_, [this](const TellShare& tell) {
-      return make_surfaces(source_, fusion_, groups_, joined_, options_, tell);
+    surface_stage_ = fuses ? "fuse" : "deform";
+    surfaces_ = stages_.run(surface_stage_, key_, [this](const TellShare& tell) {
+      const auto tiles = [this](const Group& group) { return store_.part(surface_stage_, group.number()); };
+      return make_surfaces(source_, fusion_, groups_, joined_, options_, tiles, tell);
     });
   }
 
-  void write() {
+  void make_mesh() {
     const size_t main = main_group(groups_);
-    std::vector<GroupMap> maps;
-    const std::vector<MapFile> files = stages_.run_always("mesh", [&](const TellShare& tell) {
-      maps = finish_maps(std::move(groups_), std::move(surfaces_), main, options_);
-      return write_maps(maps, placed_, options_, tell);
-    });
+    const std::vector<GroupMap> maps =
+        stages_.run_always("mesh", [&](const TellShare& tell) { return write_maps(main, tell); });
     RunFigures run{{}, stages_.done(), peak_memory_bytes()};
     for (const std::filesystem::path& log : options_.logs) run.logs.push_back(log.string());
-    write_file(options_.output / "report.json", map_report(joined_.session, placed_, maps, main, files, run));
+    write_file(options_.output / "report.json",
+               map_report(joined_.session, placed_, maps, main, files_, run));
     text_ += map_text(maps, main, options_);
   }
 
   std::string run() {
     constexpr std::array<void (MapRun::*)(), 5> kStages = {
-        &MapRun::load, &MapRun::find_loops, &MapRun::optimise, &MapRun::make_surface, &MapRun::write};
+        &MapRun::load, &MapRun::find_loops, &MapRun::optimise, &MapRun::make_surface, &MapRun::make_mesh};
     for (size_t i = 0; i <= static_cast<size_t>(options_.until); ++i) {
       if (options_.from && i == static_cast<size_t>(*options_.from)) stages_.make_all();
       (this->*kStages[i])();
@@ -161,6 +134,31 @@ class MapRun {
   }
 
  private:
+  std::vector<GroupMap> write_maps(size_t main, const TellShare& tell) {
+    constexpr double kMeshing = 0.6;  // of the work
+    std::vector<GroupMap> maps;
+    remove_segment_folders(options_.output);
+    for (size_t i = 0; i < groups_.size(); ++i) {
+      const auto tell_of_group = [&](double share) {
+        tell((static_cast<double>(i) + share) / static_cast<double>(groups_.size()));
+      };
+      GroupMap& map = maps.emplace_back();
+      const int number = groups_[i].number();
+      map.map =
+          mesh_of_tiles(TileFile(store_.part(surface_stage_, number)), {options_.islands, options_.simplify},
+                        store_.part("mesh", number), [&](double share) { tell_of_group(kMeshing * share); });
+      map.group = std::move(groups_[i]);
+      map.surface = surfaces_[i].source;
+      map.is_in_place = surfaces_[i].is_in_place;
+      map.folder = folder_of(map, i == main);
+      if (map.folder.empty()) continue;
+      for (MapFile& file : write_group(options_.output, map, placed_, options_.formats))
+        files_.push_back(std::move(file));
+      tell_of_group(1);
+    }
+    return maps;
+  }
+
   const MapOptions& options_;
   StageStore store_;
   StageRunner stages_;
@@ -174,7 +172,9 @@ class MapRun {
   std::vector<LoopClosure> candidates_;
   PlacedMission placed_;
   std::vector<Group> groups_;
+  std::string surface_stage_;
   std::vector<GroupSurface> surfaces_;
+  std::vector<MapFile> files_;
 };
 
 }  // namespace

@@ -39,7 +39,7 @@ struct MapOptions {
   std::optional<SimplifyConfig> simplify{};  ///< fewer triangles
   std::vector<std::string> formats{"ply"};   ///< of the map: ply, obj, glb, pcd
   double voxel_size_m = 0;                   ///< of the surface fused anew; 0: the collector's
-  bool keeps_stages = true;                  ///< in output/stages; else all is made, and nothing kept
+  bool keeps_stages = true;                  ///< in output/stages; else all is made, and nothing is left
   std::optional<MapStage> from{};            ///< this stage and those behind it are made anew in any case
   MapStage until = MapStage::kMesh;          ///< the last one that is run
   exec::Device device = exec::Device::cpu();

@@ -10,8 +10,8 @@
 namespace kt {
 namespace {
 
-std::string size_text(const Mesh& map) {
-  return std::to_string(map.vertices.size()) + " vertices, " + std::to_string(map.triangles.size()) +
+std::string size_text(const MapMesh& map) {
+  return std::to_string(map.mesh->vertices()) + " vertices, " + std::to_string(map.mesh->triangles()) +
          " triangles";
 }
 

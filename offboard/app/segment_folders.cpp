@@ -54,10 +54,11 @@ std::vector<MapFile> write_group(const fs::path& output, const GroupMap& map, co
                                  const std::vector<std::string>& formats) {
   const fs::path folder = map.folder == "." ? output : output / map.folder;
   create_folder(folder);
+  const MeshStream mesh = map.map.mesh->stream();
   std::vector<std::string> names;
   for (const std::string& format : formats) {
     const fs::path path = folder / names.emplace_back(map_file(format));
-    format == "pcd" ? write_cloud(path, map.map) : write_mesh(path, map.map);
+    format == "pcd" ? write_cloud(path, mesh) : write_mesh(path, mesh);
   }
   write_trajectory(folder / names.emplace_back(kTrajectory), map.group.trajectory());
   write_g2o(folder / names.emplace_back(kPoses), graph_of(map.group, placed));

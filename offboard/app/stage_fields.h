@@ -18,9 +18,15 @@ void fields(Archive& archive, LogIntegrity& value) {
 }
 
 template <typename Archive>
+void fields(Archive& archive, SliceInfo& value) {
+  auto& [sequence, segment, voxel_size_m, vertices, triangles] = value;
+  archive(sequence, segment, voxel_size_m, vertices, triangles);
+}
+
+template <typename Archive>
 void fields(Archive& archive, LogIndex& value) {
-  auto& [integrity, positions, raw_frames] = value;
-  archive(integrity, positions, raw_frames);
+  auto& [integrity, positions, slices, raw_frames] = value;
+  archive(integrity, positions, slices, raw_frames);
 }
 
 template <typename Archive>
@@ -52,15 +58,9 @@ void fields(Archive& archive, OptimisedGraph& value) {
 }
 
 template <typename Archive>
-void fields(Archive& archive, Mesh& value) {
-  auto& [vertices, normals, colours, quality, triangles] = value;
-  archive(vertices, normals, colours, quality, triangles);
-}
-
-template <typename Archive>
 void fields(Archive& archive, GroupSurface& value) {
-  auto& [source, is_in_place, mesh] = value;
-  archive(source, is_in_place, mesh);
+  auto& [source, is_in_place] = value;
+  archive(source, is_in_place);
 }
 
 template <typename Archive>

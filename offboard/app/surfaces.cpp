@@ -19,9 +19,9 @@ std::vector<MissionFrames> frames_of(const MapOptions& options, const JoinedSess
     MissionFrames mission;
     mission.source = options.frames.empty() ? open_source("lcm-log:" + options.logs[i].string())
                                             : open_source(options.frames[i], calibration);
-    mission.first_sequence = joined.first_sequences[i];
+    mission.first_sequence = joined.missions[i].sequence;
     mission.end_sequence =
-        i + 1 < options.logs.size() ? joined.first_sequences[i + 1] : std::numeric_limits<int64_t>::max();
+        i + 1 < options.logs.size() ? joined.missions[i + 1].sequence : std::numeric_limits<int64_t>::max();
     missions.push_back(std::move(mission));
   }
   return missions;
@@ -60,22 +60,25 @@ ReintegrationConfig fusion_of(const MapOptions& options, const Session& session)
 }
 
 std::vector<GroupSurface> make_surfaces(SurfaceSource source, const ReintegrationConfig& fusion,
-                                        std::vector<Group>& groups, const JoinedSession& joined,
-                                        const MapOptions& options, const TellShare& tell) {
+                                        std::span<const Group> groups, const JoinedSession& joined,
+                                        const MapOptions& options,
+                                        const std::function<std::filesystem::path(const Group&)>& tiles,
+                                        const TellShare& tell) {
+  std::vector<MissionLog> logs;
+  for (size_t i = 0; i < options.logs.size(); ++i) logs.push_back({options.logs[i], joined.missions[i]});
   std::vector<GroupSurface> surfaces;
-  for (size_t i = 0; i < groups.size(); ++i) {
-    const auto tell_of_group = [&](double share) {
-      tell((static_cast<double>(i) + share) / static_cast<double>(groups.size()));
-    };
+  for (const Group& group : groups) {
+    const auto done = static_cast<double>(surfaces.size()), all = static_cast<double>(groups.size());
+    const auto tell_of_group = [&](double share) { tell((done + share) / all); };
     GroupSurface& surface = surfaces.emplace_back();
-    if (source == SurfaceSource::kSlices || groups[i].good_frames() == 0) {
-      surface.mesh = surface_of_slices(groups[i], options.threads, &surface.is_in_place);
+    if (source == SurfaceSource::kSlices || group.good_frames() == 0) {
+      surface_of_slices(group, logs, {{}, options.threads}, tiles(group), tell_of_group,
+                        &surface.is_in_place);
     } else {
       surface.source = SurfaceSource::kFrames;
-      surface.mesh = surface_of_frames(groups[i], frames_of(options, joined), joined.session, options.device,
-                                       fusion, options.output / "bricks.tmp", tell_of_group);
+      surface_of_frames(group, frames_of(options, joined), joined.session, options.device, fusion,
+                        tiles(group), tell_of_group);
     }
-    tell_of_group(1);
   }
   return surfaces;
 }

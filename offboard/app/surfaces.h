@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -14,11 +16,10 @@
 
 namespace kt {
 
-/// Before islands are dropped, and whole.
+/// What is known of a surface beside its file of tiles.
 struct GroupSurface {
   SurfaceSource source = SurfaceSource::kSlices;
   bool is_in_place = true;  ///< as GroupMap::is_in_place
-  Mesh mesh;
 };
 
 /// What options.surface comes to with these logs. Throws kt::Error where it asks for frames that are not
@@ -29,10 +30,12 @@ SurfaceSource surface_source(const MapOptions& options, const Session& session,
 /// What frames are fused with: options.voxel_size_m, else the collector's.
 ReintegrationConfig fusion_of(const MapOptions& options, const Session& session);
 
-/// By group; a group without good frames has its slices either way. Moves the vertices of slices that are
-/// bent. `joined`: without the poses and slices that `groups` have taken.
+/// By group; a group without good frames has its slices either way. `joined`: without the poses and slices
+/// that `groups` have taken. `tiles(group)`: the TileFile to write.
 std::vector<GroupSurface> make_surfaces(SurfaceSource source, const ReintegrationConfig& fusion,
-                                        std::vector<Group>& groups, const JoinedSession& joined,
-                                        const MapOptions& options, const TellShare& tell);
+                                        std::span<const Group> groups, const JoinedSession& joined,
+                                        const MapOptions& options,
+                                        const std::function<std::filesystem::path(const Group&)>& tiles,
+                                        const TellShare& tell);
 
 }  // namespace kt

@@ -46,7 +46,7 @@ struct Edge {
 
 class Simplification {
  public:
-  Simplification(const SimplifyConfig& config, Mesh& mesh);
+  Simplification(const SimplifyConfig& config, Mesh& mesh, const std::vector<bool>& is_pinned);
   SimplifyReport run();
 
  private:
@@ -78,13 +78,14 @@ class Simplification {
   std::vector<Edge> heap_;
 };
 
-Simplification::Simplification(const SimplifyConfig& config, Mesh& mesh)
+Simplification::Simplification(const SimplifyConfig& config, Mesh& mesh, const std::vector<bool>& is_pinned)
     : config_(config),
       mesh_(mesh),
       stands_(mesh.triangles.size(), true),
-      is_fixed_(mesh.vertices.size()),
+      is_fixed_(is_pinned),
       quadrics_(mesh.vertices.size()),
       version_(mesh.vertices.size()) {
+  is_fixed_.resize(mesh.vertices.size());
   link_corners();
   add_planes();
   for (uint32_t u = 0; u < mesh.vertices.size(); ++u) {
@@ -264,15 +265,15 @@ SimplifyReport Simplification::run() {
     around.erase(std::unique(around.begin(), around.end()), around.end());
     for (const uint32_t other : around) push(stays, other);
   }
-  keep_triangles(stands_, mesh_);
+  report.is_vertex_kept = keep_triangles(stands_, mesh_);
   return report;
 }
 
 }  // namespace
 
-SimplifyReport simplify(const SimplifyConfig& config, Mesh& mesh) {
-  if (mesh.triangles.empty()) return {};
-  return Simplification(config, mesh).run();
+SimplifyReport simplify(const SimplifyConfig& config, Mesh& mesh, const std::vector<bool>& is_pinned) {
+  KT_CHECK(is_pinned.empty() || is_pinned.size() == mesh.vertices.size());
+  return Simplification(config, mesh, is_pinned).run();
 }
 
 }  // namespace kt

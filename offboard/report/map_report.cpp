@@ -10,7 +10,6 @@
 
 #include "nlohmann/json.hpp"
 
-#include "offboard/map/weld.h"
 #include "offboard/session/integrity_report.h"
 
 namespace kt {
@@ -44,29 +43,25 @@ Json trajectory_json(const Trajectory& trajectory) {
 }
 
 Json slices_json(std::span<const GroupMap> groups) {
-  size_t count = 0, vertices = 0, triangles = 0;
+  uint64_t count = 0, vertices = 0, triangles = 0;
   for (const GroupMap& map : groups) {
     for (const Segment& segment : map.group.segments) {
       count += segment.slices.size();
-      for (const CloudSlice& slice : segment.slices)
-        vertices += slice.vertices.size(), triangles += slice.triangles.size();
+      for (const SliceInfo& slice : segment.slices) vertices += slice.vertices, triangles += slice.triangles;
     }
   }
   return {{"count", count}, {"vertices", vertices}, {"triangles", triangles}};
 }
 
-Json map_json(const Mesh& map) {
-  Json json = {{"vertices", map.vertices.size()}, {"triangles", map.triangles.size()}};
-  if (!map.vertices.empty()) {
-    Vec3f low = map.vertices.front(), high = low;
-    for (const Vec3f& p : map.vertices) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
+Json map_json(const StoredMesh& map) {
+  Json json = {{"vertices", map.vertices()}, {"triangles", map.triangles()}};
+  const MeshStream mesh = map.stream();
+  if (map.vertices() > 0) {
+    const auto [low, high] = bounds_of(mesh);
     json["low_m"] = {low.x, low.y, low.z};
     json["high_m"] = {high.x, high.y, high.z};
   }
-  json["digest"] = mesh_digest(map).hex();
+  json["digest"] = mesh_digest(mesh).hex();
   return json;
 }
 
@@ -200,10 +195,10 @@ Json group_json(const GroupMap& map) {
           {"first_us", is_empty ? Json() : Json(trajectory.front().timestamp_us)},
           {"last_us", is_empty ? Json() : Json(trajectory.back().timestamp_us)},
           {"surface", map.surface == SurfaceSource::kFrames ? "frames" : "slices"},
-          {"vertices", map.map.vertices.size()},
-          {"triangles", map.map.triangles.size()},
+          {"vertices", map.map.mesh->vertices()},
+          {"triangles", map.map.mesh->triangles()},
           {"in_place", map.is_in_place},
-          {"dropped_islands", map.islands.dropped_islands},
+          {"dropped_islands", map.map.islands.dropped_islands},
           {"path_length_m", path_length_m(trajectory)},
           {"folder", map.folder.empty() ? Json() : Json(map.folder)}};
 }
@@ -261,7 +256,7 @@ std::string map_report(const Session& session, const PlacedMission& placed, std:
       {"loop_closures_of_collector", loops_json(session.loop_closures)},
       {"optimisation", optimisation_json(placed, groups)},
       {"slices", slices_json(groups)},
-      {"map", map_json(groups[main].map)},
+      {"map", map_json(*groups[main].map.mesh)},
       {"segments", segments_json(groups, main)},
       {"files", list},
       {"digest", content.hex()},

@@ -9,10 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "offboard/map/islands.h"
+#include "offboard/map/mesh_of_tiles.h"
 #include "offboard/placement/groups.h"
 #include "offboard/stages/stage_runner.h"
-#include "shared/io/mesh.h"
 #include "shared/types/session.h"
 
 namespace kt {
@@ -33,12 +32,11 @@ enum class SurfaceSource {
 /// A group of segments, the map made of it, and where that stands.
 struct GroupMap {
   Group group;
-  Mesh map;
+  MapMesh map;
   SurfaceSource surface = SurfaceSource::kSlices;
   /// False where bending the slices to the poses would have torn them: a segment's stand where odometry has
   /// them.
   bool is_in_place = true;
-  IslandReport islands;
   std::string folder;  ///< within the output folder: "." for the main group; "" where nothing is written
 };
 

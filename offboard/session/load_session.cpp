@@ -47,7 +47,7 @@ struct Gatherer {
     if (!session.slices.empty() && slice.voxel_size_m != session.slices.front().voxel_size_m) {
       throw Error(path.string() + ": its slices differ in voxel size, so they are not of one mission");
     }
-    session.slices.push_back(std::move(slice));
+    session.slices.push_back(SliceInfo::of(slice));
   }
   void operator()(Keyframe&& keyframe) { session.keyframes.push_back(std::move(keyframe)); }
   void operator()(LoopClosure&& loop) { session.loop_closures.push_back(std::move(loop)); }
@@ -79,11 +79,12 @@ Session load_session(const std::filesystem::path& path, const Progress& progress
   Gatherer gatherer{path};
   LogIndex found;
   while (std::optional<Message> message = reader.next()) {
-    found.positions.push_back(reader.event_position());
+    if (!std::holds_alternative<CloudSlice>(*message)) found.positions.push_back(reader.event_position());
     give(gatherer, std::move(*message));
     if (progress) progress(static_cast<double>(reader.position()) / static_cast<double>(reader.size()));
   }
   found.integrity = reader.integrity();
+  found.slices = gatherer.session.slices;
   found.raw_frames = reader.channels()[message_index<CompressedFrame>()].messages;
   Session session = session_of(std::move(gatherer), found.integrity);
   if (index) *index = std::move(found);
@@ -93,6 +94,7 @@ Session load_session(const std::filesystem::path& path, const Progress& progress
 Session load_session(const std::filesystem::path& path, const LogIndex& index, const Progress& progress) {
   MessageReader reader(path);
   Gatherer gatherer{path};
+  gatherer.session.slices = index.slices;
   for (size_t i = 0; i < index.positions.size(); ++i) {
     reader.seek(index.positions[i]);
     std::optional<Message> message = reader.next();

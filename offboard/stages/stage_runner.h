@@ -38,7 +38,8 @@ class StageRunner {
   void make_all() { may_take_ = false; }
 
   /// The result of a stage: from its file where that is whole and was made from the same, which `key` says;
-  /// else what `make(tell)` returns, which is kept.
+  /// else what `make(tell)` returns, which is kept with the parts (StageStore::part) that it may have
+  /// written.
   template <typename Make>
   auto run(const std::string& name, const Digest& key, const Make& make) {
     return run(name, key, make, [](const auto&, const TellShare&) {});
@@ -57,19 +58,25 @@ class StageRunner {
       end(name, true);
       return result;
     }
-    result = make(tell);
-    store_.keep(name, key, seconds(), [&result](const std::filesystem::path& path) {
-      StageWriter writer(path);
+    store_.begin(name);
+    try {
+      result = make(tell);
+      StageWriter writer(store_.file(name));
       writer(result);
       writer.close();
-    });
+      store_.finish(name, key, seconds());
+    } catch (...) {
+      store_.abandon(name);
+      throw;
+    }
     end(name, false);
     return result;
   }
 
-  /// A stage whose result is not kept.
+  /// A stage whose result is not kept; it may have parts for as long as the runner lives.
   template <typename Action>
   auto run_always(const std::string& name, const Action& action) {
+    store_.begin(name);
     auto result = action(begin(name));
     end(name, false);
     return result;

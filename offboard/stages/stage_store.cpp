@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/stages/stage_store.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
@@ -27,23 +28,18 @@ void remove_file(const fs::path& path) {
   if (error) throw Error(path.string() + ": cannot be removed: " + error.message());
 }
 
-void rename_file(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (error) throw Error(to.string() + ": cannot be written: " + error.message());
-}
-
-fs::path temporary(const fs::path& path) { return path.string() + ".tmp"; }
-
 }  // namespace
 
-StageStore::StageStore(fs::path folder) : folder_(std::move(folder)) {
+StageStore::StageStore(fs::path folder, bool kept) : folder_(std::move(folder)), kept_(kept) {
   std::error_code ignored;
-  if (keeps() && fs::is_directory(folder_, ignored)) lock();
+  if (fs::is_directory(folder_, ignored)) lock();
 }
 
 StageStore::~StageStore() {
-  if (lock_ >= 0) close(lock_);
+  if (lock_ < 0) return;  // nothing was there, nothing was made
+  std::error_code ignored;
+  if (!kept_) fs::remove_all(folder_, ignored);
+  close(lock_);
 }
 
 void StageStore::lock() {
@@ -57,23 +53,41 @@ void StageStore::lock() {
 std::optional<StageRecord> StageStore::read_record(const std::string& stage) const {
   try {
     const auto json = nlohmann::json::parse(read_file(record_path(stage)));
-    return StageRecord{json.at("key"), json.at("bytes"), json.at("digest"), json.at("seconds")};
+    StageRecord record{json.at("key"), {}, json.at("seconds")};
+    for (const auto& file : json.at("files"))
+      record.files.push_back({file.at("name"), file.at("bytes"), file.at("digest")});
+    return record;
   } catch (const Error&) {
   } catch (const nlohmann::json::exception&) {
   }
   return {};
 }
 
+// Ascending by name, without the record.
+std::vector<fs::path> StageStore::files_of(const std::string& stage) const {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name == stage || name.starts_with(stage + "-")) files.push_back(entry->path());
+  }
+  if (error) throw Error(folder_.string() + ": cannot be read: " + error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
 StageStore::State StageStore::state(const std::string& stage, const Digest& key) const {
   std::error_code ignored;
-  if (!keeps() || !fs::exists(record_path(stage), ignored)) return State::kMissing;
+  if (!kept_ || !fs::exists(record_path(stage), ignored)) return State::kMissing;
   const std::optional<StageRecord> record = read_record(stage);
   if (!record) return State::kDamaged;
   if (record->key != key.hex()) return State::kOtherKey;
   try {
-    const FileDigest found = digest_of_file(file(stage));
-    const bool is_whole = found.bytes == record->bytes && found.digest.hex() == record->digest;
-    return is_whole ? State::kWhole : State::kDamaged;
+    for (const StageRecord::File& file : record->files) {
+      const FileDigest found = digest_of_file(folder_ / file.name);
+      if (found.bytes != file.bytes || found.digest.hex() != file.digest) return State::kDamaged;
+    }
+    return State::kWhole;
   } catch (const Error&) {
     return State::kDamaged;  // missing, or the disk fails
   }
@@ -85,28 +99,35 @@ StageRecord StageStore::record(const std::string& stage) const {
   return *record;
 }
 
-void StageStore::keep(const std::string& stage, const Digest& key, double seconds,
-                      const std::function<void(const fs::path&)>& write) {
-  if (!keeps()) return;
+void StageStore::begin(const std::string& stage) {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw Error(folder_.string() + ": cannot be made: " + error.message());
   if (lock_ < 0) lock();
-  const fs::path file_now = temporary(file(stage)), record_now = temporary(record_path(stage));
   remove_file(record_path(stage));
-  remove_file(file(stage));  // first: there may be no room for two
+  for (const fs::path& path : files_of(stage)) remove_file(path);
+}
+
+void StageStore::finish(const std::string& stage, const Digest& key, double seconds) {
+  if (!kept_) return;
+  nlohmann::ordered_json files = nlohmann::ordered_json::array();
+  for (const fs::path& path : files_of(stage)) {
+    const FileDigest written = digest_of_file(path);
+    files.push_back(
+        {{"name", path.filename().string()}, {"bytes", written.bytes}, {"digest", written.digest.hex()}});
+  }
+  const nlohmann::ordered_json json = {{"key", key.hex()}, {"files", files}, {"seconds", seconds}};
+  const fs::path written = record_path(stage).string() + ".tmp";
+  write_file(written, json.dump(2) + "\n");
+  std::error_code error;
+  fs::rename(written, record_path(stage), error);
+  if (error) throw Error(record_path(stage).string() + ": cannot be written: " + error.message());
+}
+
+void StageStore::abandon(const std::string& stage) noexcept {
   try {
-    write(file_now);
-    const FileDigest written = digest_of_file(file_now);
-    rename_file(file_now, file(stage));
-    const nlohmann::ordered_json json = {
-        {"key", key.hex()}, {"bytes", written.bytes}, {"digest", written.digest.hex()}, {"seconds", seconds}};
-    write_file(record_now, json.dump(2) + "\n");
-    rename_file(record_now, record_path(stage));
-  } catch (...) {
-    fs::remove(file_now, error);
-    fs::remove(record_now, error);
-    throw;
+    begin(stage);
+  } catch (const std::exception&) {  // what stays has no record
   }
 }
 

@@ -25,12 +25,12 @@ struct Outcome {
   std::vector<std::pair<std::string, double>> told;
 };
 
-Outcome run(const std::filesystem::path& folder, int key, bool make_all = false) {
+Outcome run(const std::filesystem::path& folder, int key, bool make_all = false, bool keeps = true) {
   Outcome outcome;
   const StageProgress progress = [&](const std::string& stage, double share, double) {
     outcome.told.emplace_back(stage, share);
   };
-  StageStore store(folder);
+  StageStore store(folder, keeps);
   StageRunner stages(store, progress);
   if (make_all) stages.make_all();
   outcome.result = stages.run(
@@ -56,7 +56,7 @@ TEST(StageRunner, TakesWhatAnEarlierRunHasMade) {
   const Outcome second = run(folder / "stages", 3);
   EXPECT_TRUE(!second.was_made && second.was_restored && second.done[0].is_from_file);
   EXPECT_EQ(second.result, std::vector<double>{9});
-  EXPECT_EQ(second.done[0].seconds_to_make, StageStore(folder / "stages").record("square").seconds);
+  EXPECT_EQ(second.done[0].seconds_to_make, StageStore(folder / "stages", true).record("square").seconds);
   EXPECT_EQ(second.told.back(), std::pair(std::string("square"), 1.0));
 }
 
@@ -79,9 +79,24 @@ TEST(StageRunner, ADamagedFileIsMadeAnewAndTold) {
   EXPECT_TRUE(run(folder / "stages", 3).notes.empty());
 }
 
-TEST(StageRunner, WithoutAFolderAllIsMade) {
-  EXPECT_TRUE(run({}, 3).was_made);
-  EXPECT_TRUE(run({}, 3).was_made);
+TEST(StageRunner, WithoutKeepingAllIsMade) {
+  const ScratchDir folder;
+  EXPECT_TRUE(run(folder / "stages", 3, false, false).was_made);
+  EXPECT_TRUE(run(folder / "stages", 3, false, false).was_made);
+  EXPECT_FALSE(std::filesystem::exists(folder / "stages"));
+}
+
+TEST(StageRunner, WhatFailsLeavesNothing) {
+  const ScratchDir folder;
+  StageStore store(folder / "stages", true);
+  const StageProgress nobody;
+  StageRunner stages(store, nobody);
+  const auto fail = [&](const TellShare&) -> std::vector<double> {
+    write_file(store.part("square", 1), "half of it");
+    throw Error("the disk is full");
+  };
+  EXPECT_THROW(stages.run("square", key_of(1), fail), Error);
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "stages"));
 }
 
 }  // namespace

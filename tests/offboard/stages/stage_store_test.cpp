@@ -20,25 +20,29 @@ Digest key_of(int number) {
 }
 
 void keep(StageStore& store, const std::string& content, int key = 1) {
-  store.keep("loops", key_of(key), 2.5,
-             [&](const std::filesystem::path& path) { write_file(path, content); });
+  store.begin("loops");
+  write_file(store.file("loops"), content);
+  store.finish("loops", key_of(key), 2.5);
 }
 
 TEST(StageStore, FindsWhatItKept) {
   const ScratchDir folder;
-  StageStore store(folder / "new/stages");
+  StageStore store(folder / "new/stages", true);
   EXPECT_EQ(store.state("loops", key_of(1)), State::kMissing);
   keep(store, "abc");
   EXPECT_EQ(store.state("loops", key_of(1)), State::kWhole);
   EXPECT_EQ(store.state("load", key_of(1)), State::kMissing);
   EXPECT_EQ(read_file(store.file("loops")), "abc");
-  EXPECT_EQ(store.record("loops").seconds, 2.5);
-  EXPECT_EQ(store.record("loops").bytes, 3);
+  const StageRecord record = store.record("loops");
+  EXPECT_EQ(record.seconds, 2.5);
+  ASSERT_EQ(record.files.size(), 1u);
+  EXPECT_EQ(record.files[0].name, "loops");
+  EXPECT_EQ(record.files[0].bytes, 3);
 }
 
 TEST(StageStore, AnotherKeyIsAnotherResult) {
   const ScratchDir folder;
-  StageStore store(folder / "stages");
+  StageStore store(folder / "stages", true);
   keep(store, "abc");
   EXPECT_EQ(store.state("loops", key_of(2)), State::kOtherKey);
   keep(store, "d", 2);
@@ -48,7 +52,7 @@ TEST(StageStore, AnotherKeyIsAnotherResult) {
 
 TEST(StageStore, DamageIsFound) {
   const ScratchDir folder;
-  StageStore store(folder / "stages");
+  StageStore store(folder / "stages", true);
   for (const char* content : {"abd", "ab", "abcd", ""}) {
     keep(store, "abc");
     write_file(store.file("loops"), content);
@@ -57,56 +61,82 @@ TEST(StageStore, DamageIsFound) {
   keep(store, "abc");
   std::filesystem::remove(store.file("loops"));
   EXPECT_EQ(store.state("loops", key_of(1)), State::kDamaged);
-  for (const char* record :
-       {"", "{", "{}", "[1]", R"({"key": 1, "bytes": 3, "digest": "x", "seconds": 1})"}) {
+  for (const char* record : {"", "{", "{}", "[1]", R"({"key": 1, "files": [], "seconds": 1})"}) {
     keep(store, "abc");
     write_file(folder / "stages/loops.json", record);
     EXPECT_EQ(store.state("loops", key_of(1)), State::kDamaged) << record;
   }
 }
 
-// Whatever step the work ends at, no file is taken for more than it is.
-TEST(StageStore, AnInterruptedWriteLeavesNothingBehind) {
+TEST(StageStore, PartsBelongToTheirStage) {
   const ScratchDir folder;
-  StageStore store(folder / "stages");
+  StageStore store(folder / "stages", true);
+  const auto keep_parts = [&] {
+    store.begin("fuse");
+    for (const int number : {0, 12}) write_file(store.part("fuse", number), "part");
+    write_file(store.file("fuse"), "all");
+    store.finish("fuse", key_of(1), 1);
+  };
+  keep_parts();
+  EXPECT_EQ(store.record("fuse").files.size(), 3u);
+  EXPECT_EQ(store.state("fuse", key_of(1)), State::kWhole);
+  write_file(folder / "stages/fuse-12", "Part");
+  EXPECT_EQ(store.state("fuse", key_of(1)), State::kDamaged);
+  keep_parts();
+  std::filesystem::remove(folder / "stages/fuse-0");
+  EXPECT_EQ(store.state("fuse", key_of(1)), State::kDamaged);
   keep(store, "abc");
-  EXPECT_THROW(store.keep("loops", key_of(1), 1,
-                          [&](const std::filesystem::path& path) {
-                            write_file(path, "ab");
-                            EXPECT_EQ(store.state("loops", key_of(1)), State::kMissing)
-                                << "as kill -9 sees it";
-                            throw Error("the disk is full");
-                          }),
-               Error);
+  EXPECT_TRUE(std::filesystem::exists(folder / "stages/fuse-12")) << "of another stage";
+  store.begin("fuse");
+  EXPECT_FALSE(std::filesystem::exists(folder / "stages/fuse-12"));
+}
+
+// Whatever step the work ends at, no file is taken for more than it is.
+TEST(StageStore, AnInterruptedWriteLeavesNothingThatCounts) {
+  const ScratchDir folder;
+  {
+    StageStore store(folder / "stages", true);
+    keep(store, "abc");
+    store.begin("loops");
+    write_file(store.file("loops"), "abc");  // killed here
+  }
+  StageStore store(folder / "stages", true);
   EXPECT_EQ(store.state("loops", key_of(1)), State::kMissing);
-  EXPECT_TRUE(std::filesystem::is_empty(folder / "stages"));
-  write_file(folder / "stages/loops.tmp", "what a killed run has left");
+  write_file(folder / "stages/loops.json.tmp", "or killed here");
+  EXPECT_EQ(store.state("loops", key_of(1)), State::kMissing);
   keep(store, "abc");
   EXPECT_EQ(store.state("loops", key_of(1)), State::kWhole);
-  EXPECT_FALSE(std::filesystem::exists(folder / "stages/loops.tmp"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "stages/loops.json.tmp"));
+  store.abandon("loops");
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "stages"));
 }
 
 TEST(StageStore, OneProcessAtATime) {
   const ScratchDir folder;
   {
-    StageStore store(folder / "stages");
+    StageStore store(folder / "stages", true);
     keep(store, "abc");
-    EXPECT_THROW(StageStore(folder / "stages"), Error);
+    EXPECT_THROW(StageStore(folder / "stages", true), Error);
   }
-  EXPECT_EQ(StageStore(folder / "stages").state("loops", key_of(1)), State::kWhole);
+  EXPECT_EQ(StageStore(folder / "stages", true).state("loops", key_of(1)), State::kWhole);
 }
 
-TEST(StageStore, WithoutAFolderNothingIsKept) {
-  StageStore store({});
-  keep(store, "abc");
-  EXPECT_EQ(store.state("loops", key_of(1)), State::kMissing);
+TEST(StageStore, WhatIsNotKeptIsRemoved) {
+  const ScratchDir folder;
+  {
+    StageStore store(folder / "stages", false);
+    keep(store, "abc");
+    EXPECT_EQ(read_file(store.file("loops")), "abc");
+    EXPECT_EQ(store.state("loops", key_of(1)), State::kMissing);
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "stages"));
 }
 
 TEST(StageStore, AFolderThatCannotBeMadeIsAnError) {
   const ScratchDir folder;
   write_file(folder / "file", "x");
-  StageStore store(folder / "file/stages");
-  EXPECT_THROW(keep(store, "abc"), Error);
+  StageStore store(folder / "file/stages", true);
+  EXPECT_THROW(store.begin("loops"), Error);
 }
 
 }  // namespace
