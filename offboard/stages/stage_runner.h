@@ -58,15 +58,16 @@ class StageRunner {
       end(name, true);
       return result;
     }
-    store_.begin(name);
+    store_.clear(name);
     try {
       result = make(tell);
+      store_.open();
       StageWriter writer(store_.file(name));
       writer(result);
       writer.close();
       store_.finish(name, key, seconds());
     } catch (...) {
-      store_.abandon(name);
+      give_up(name);
       throw;
     }
     end(name, false);
@@ -76,7 +77,7 @@ class StageRunner {
   /// A stage whose result is not kept; it may have parts for as long as the runner lives.
   template <typename Action>
   auto run_always(const std::string& name, const Action& action) {
-    store_.begin(name);
+    store_.clear(name);
     auto result = action(begin(name));
     end(name, false);
     return result;
@@ -96,6 +97,7 @@ class StageRunner {
   TellShare begin(const std::string& name);
   bool find(const std::string& name, const Digest& key);
   void end(const std::string& name, bool is_from_file);
+  void give_up(const std::string& name) noexcept;
   void tell(const std::string& name, double share);
 
   StageStore& store_;

@@ -43,7 +43,7 @@ StageStore::~StageStore() {
 }
 
 void StageStore::lock() {
-  lock_ = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (lock_ < 0) throw Error(folder_.string() + ": cannot be read: " + std::strerror(errno));
   // Some file systems know no locks; there whoever runs two at a time must name two folders.
   if (flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
@@ -99,13 +99,18 @@ StageRecord StageStore::record(const std::string& stage) const {
   return *record;
 }
 
-void StageStore::begin(const std::string& stage) {
+void StageStore::clear(const std::string& stage) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder_, ignored)) return;
+  remove_file(record_path(stage));
+  for (const fs::path& path : files_of(stage)) remove_file(path);
+}
+
+void StageStore::open() {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw Error(folder_.string() + ": cannot be made: " + error.message());
   if (lock_ < 0) lock();
-  remove_file(record_path(stage));
-  for (const fs::path& path : files_of(stage)) remove_file(path);
 }
 
 void StageStore::finish(const std::string& stage, const Digest& key, double seconds) {
@@ -122,13 +127,6 @@ void StageStore::finish(const std::string& stage, const Digest& key, double seco
   std::error_code error;
   fs::rename(written, record_path(stage), error);
   if (error) throw Error(record_path(stage).string() + ": cannot be written: " + error.message());
-}
-
-void StageStore::abandon(const std::string& stage) noexcept {
-  try {
-    begin(stage);
-  } catch (const std::exception&) {  // what stays has no record
-  }
 }
 
 }  // namespace kt

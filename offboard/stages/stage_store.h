@@ -54,13 +54,13 @@ class StageStore {
   /// Of a stage that was found whole.
   StageRecord record(const std::string& stage) const;
 
-  /// Makes the folder where it is missing and removes all that stands there of the stage, to write its files.
-  /// Throws kt::Error where that fails.
-  void begin(const std::string& stage);
+  /// Removes all that stands there of the stage. Throws kt::Error where that fails.
+  void clear(const std::string& stage);
+  /// Makes the folder where it is missing; to be called before the first file is written. Throws kt::Error
+  /// where that fails, or another process has the folder.
+  void open();
   /// Says that the files of the stage are whole.
   void finish(const std::string& stage, const Digest& key, double seconds);
-  /// Gives back the room of files that did not become whole.
-  void abandon(const std::string& stage) noexcept;
 
  private:
   std::filesystem::path record_path(const std::string& stage) const { return folder_ / (stage + ".json"); }

@@ -104,7 +104,8 @@ nlohmann::json report_without_run(const std::filesystem::path& folder) {
 std::vector<std::string> taken(const std::filesystem::path& folder) {
   std::ifstream file(folder / "report.json");
   std::vector<std::string> names;
-  for (const auto& stage : nlohmann::json::parse(file)["run"]["stages"]) {
+  const auto report = nlohmann::json::parse(file);
+  for (const auto& stage : report["run"]["stages"]) {
     if (stage["from_file"]) names.push_back(stage["name"]);
   }
   return names;
