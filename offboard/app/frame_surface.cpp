@@ -1,11 +1,10 @@
 // Re-integration of one group.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "offboard/app/group_surface.h"
-
 #include <algorithm>
 #include <map>
 #include <utility>
 
+#include "offboard/app/group_surface.h"
 #include "offboard/map/tile_file.h"
 #include "offboard/map/weld.h"
 #include "shared/core/check.h"

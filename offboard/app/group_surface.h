@@ -36,10 +36,9 @@ struct MissionFrames {
 };
 
 /// What all good frames of the group see, fused anew at the group's poses; the sources may give other frames
-/// too. `session`: for the calibration, and the keyframes. `tiles`: the file (TileFile) that is written; one for
-/// voxels stands beside it meanwhile.
-/// Throws kt::Error where the frames are those of another mission: none has the stamp of a good pose, or
-/// keyframes show something else.
+/// too. `session`: for the calibration, and the keyframes. `tiles`: the file (TileFile) that is written; one
+/// for voxels stands beside it meanwhile. Throws kt::Error where the frames are those of another mission:
+/// none has the stamp of a good pose, or keyframes show something else.
 void surface_of_frames(const Group& group, std::span<const MissionFrames> missions, const Session& session,
                        const exec::Device& device, const ReintegrationConfig& config,
                        const std::filesystem::path& tiles, const std::function<void(double)>& progress);

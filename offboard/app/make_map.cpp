@@ -109,14 +109,13 @@ GroupMap map_of(Group group, const JoinedSession& joined, double voxel_size_m, c
                 const std::function<void(double)>& tell) {
   constexpr double kSurface = 0.9;  // of the work
   GroupMap map;
-  const std::filesystem::path tiles =
-      options.output / ("tiles-" + std::to_string(group.number()) + ".tmp");
+  const std::filesystem::path tiles = options.output / ("tiles-" + std::to_string(group.number()) + ".tmp");
   const auto tell_of_surface = [&tell](double share) { tell(kSurface * share); };
   const std::vector<MissionFrames> missions =
       group.good_frames() > 0 ? frames_of(options, joined) : std::vector<MissionFrames>();
   if (missions.empty()) {
-    surface_of_slices(group, mission_logs(options, joined), {{}, options.placement.threads}, tiles, tell_of_surface,
-                      &map.is_in_place);
+    surface_of_slices(group, mission_logs(options, joined), {{}, options.placement.threads}, tiles,
+                      tell_of_surface, &map.is_in_place);
   } else {
     map.surface = SurfaceSource::kFrames;
     ReintegrationConfig config;
@@ -133,7 +132,8 @@ GroupMap map_of(Group group, const JoinedSession& joined, double voxel_size_m, c
 // What has neither good frames nor surface is not written.
 std::string folder_of(const GroupMap& map, bool is_main) {
   if (is_main) return ".";
-  return map.group.good_frames() > 0 || map.map.mesh->triangles() > 0 ? segment_folder(map.group.number()) : "";
+  return map.group.good_frames() > 0 || map.map.mesh->triangles() > 0 ? segment_folder(map.group.number())
+                                                                      : "";
 }
 
 std::string size_text(const MapMesh& map) {

@@ -20,8 +20,8 @@
 namespace kt {
 namespace {
 
-// A triangle depends on what is so many cells around it: once for welding, once for the sheet; and on the copies
-// of its vertices, which lie on edges of its cell.
+// A triangle depends on what is so many cells around it: once for welding, once for the sheet; and on the
+// copies of its vertices, which lie on edges of its cell.
 constexpr int32_t kMargin = 2 * kSplinterReach + 1;
 
 // What is known of a segment's slices before they are deformed.
@@ -73,7 +73,8 @@ void find_stays(const SliceTiles& tiles, std::vector<SegmentSlices>& segments) {
   }
 }
 
-// What the slices of each patch hold of a tile, deformed and welded, with the margin that one_sheet() asks for.
+// What the slices of each patch hold of a tile, deformed and welded, with the margin that one_sheet() asks
+// for.
 void weld_tile(const SliceTiles& tiles, const TileId& id, const SliceSurfaceConfig& config,
                const SegmentSlices& segment, TileWriter& welded) {
   std::vector<CloudSlice> parts = tiles.read(id);
@@ -113,14 +114,16 @@ void surface_of_slices(const Group& group, std::span<const MissionLog> logs, con
     if (has_moved) {
       find_stays(slices, segments);
     } else {
-      for (const int64_t sequence : segments.front().sequences) segments.front().patch_of.emplace(sequence, 0);
+      for (const int64_t sequence : segments.front().sequences)
+        segments.front().patch_of.emplace(sequence, 0);
     }
     progress(kReading);
     TileWriter welded(patches, config.grid);
     const std::vector<TileId> ids = slices.tiles();
     for (size_t i = 0; i < ids.size(); ++i) {
       weld_tile(slices, ids[i], config, segments[static_cast<size_t>(ids[i].patch)], welded);
-      progress(kReading + (kWelding - kReading) * static_cast<double>(i + 1) / static_cast<double>(ids.size()));
+      progress(kReading +
+               (kWelding - kReading) * static_cast<double>(i + 1) / static_cast<double>(ids.size()));
     }
     welded.finish();
   }

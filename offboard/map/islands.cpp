@@ -121,8 +121,8 @@ std::vector<bool> IslandSieve::standing(size_t place, const MeshTile& tile) cons
   stands.reserve(tile.mesh.triangles.size());
   for (const auto& triangle : tile.mesh.triangles) {
     const uint32_t piece = pieces.of_vertex[triangle[0]], cut = pieces.cut[piece];
-    stands.push_back(!is_small(cut == Pieces::kWhole ? pieces.sizes[piece]
-                                                     : islands_[parent_[first_[place] + cut]]));
+    stands.push_back(
+        !is_small(cut == Pieces::kWhole ? pieces.sizes[piece] : islands_[parent_[first_[place] + cut]]));
   }
   return stands;
 }

@@ -23,8 +23,8 @@ struct IslandReport {
   int64_t dropped_triangles = 0;
 };
 
-/// Knows which islands of a tile file fall. In memory are one tile, and 20 bytes for each piece of a tile that
-/// its border cuts off from the rest of its island. Which fall does not depend on the tiles, but for the
+/// Knows which islands of a tile file fall. In memory are one tile, and 20 bytes for each piece of a tile
+/// that its border cuts off from the rest of its island. Which fall does not depend on the tiles, but for the
 /// rounding of areas.
 class IslandSieve {
  public:

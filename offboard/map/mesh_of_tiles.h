@@ -25,13 +25,13 @@ struct MapMesh {
 };
 
 /// Joins the tiles by their keys into one indexed mesh, without small islands, and simplified. Vertices and
-/// triangles come in the order of the tiles; without simplification the map is the same for any tiles, but for
-/// this order. Vertices that tiles share are not moved by simplifying, so that no gap opens; each tile keeps
-/// its share of triangles.
+/// triangles come in the order of the tiles; without simplification the map is the same for any tiles, but
+/// for this order. Vertices that tiles share are not moved by simplifying, so that no gap opens; each tile
+/// keeps its share of triangles.
 ///
 /// One tile is held in memory at a time, with what simplify() takes for it. `scratch`: the files of the mesh
-/// (StoredMesh) and one more for as long as it runs; told the share done. Throws kt::Error for a damaged tile,
-/// a full disk, or 2^32 vertices and more.
+/// (StoredMesh) and one more for as long as it runs; told the share done. Throws kt::Error for a damaged
+/// tile, a full disk, or 2^32 vertices and more.
 MapMesh mesh_of_tiles(const TileFile& tiles, const MeshConfig& config, const std::filesystem::path& scratch,
                       const std::function<void(double)>& progress);
 

@@ -29,7 +29,8 @@ bool repeats_a_corner(const std::array<EdgeKey, 3>& keys) {
 // For each slice, 0 for the best; the parts of one slice share it.
 std::vector<uint32_t> ranks_of(std::span<const CloudSlice> slices, const SliceWeights& weights) {
   std::vector<std::pair<double, int64_t>> best_first;
-  for (const CloudSlice& slice : slices) best_first.emplace_back(weights.mean(slice.sequence), slice.sequence);
+  for (const CloudSlice& slice : slices)
+    best_first.emplace_back(weights.mean(slice.sequence), slice.sequence);
   std::sort(best_first.begin(), best_first.end(), std::greater<>());
   best_first.erase(std::unique(best_first.begin(), best_first.end()), best_first.end());
   std::map<int64_t, uint32_t> rank_of;

@@ -15,8 +15,8 @@ namespace kt {
 /// For each slice: whether its triangles stand.
 using StandingTriangles = std::vector<std::vector<bool>>;
 
-/// How much slices are trusted: by the mean of their vertex weights over the corners of their triangles. Parts
-/// of one slice, which share their sequence, are one.
+/// How much slices are trusted: by the mean of their vertex weights over the corners of their triangles.
+/// Parts of one slice, which share their sequence, are one.
 class SliceWeights {
  public:
   void add(const CloudSlice& slice);

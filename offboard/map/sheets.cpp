@@ -81,8 +81,7 @@ class StandingSurface {
  private:
   Cover cover_by(uint32_t triangle, Vec3f n) const {
     const auto [a, b, c] = mesh_.triangles[triangle];
-    const Vec3f normal =
-        cross(mesh_.vertices[b] - mesh_.vertices[a], mesh_.vertices[c] - mesh_.vertices[a]);
+    const Vec3f normal = cross(mesh_.vertices[b] - mesh_.vertices[a], mesh_.vertices[c] - mesh_.vertices[a]);
     const float cosine = dot(normal, n), length = norm(normal);
     return cosine >= min_cosine_ * length ? kCovered : cosine > 0 ? kOblique : kBare;
   }

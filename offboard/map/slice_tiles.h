@@ -13,8 +13,8 @@
 
 namespace kt {
 
-/// What all slices hold of a place, for as many places as there are: in memory are some 40 bytes for each tile
-/// of each slice.
+/// What all slices hold of a place, for as many places as there are: in memory are some 40 bytes for each
+/// tile of each slice.
 class SliceTiles {
  public:
   /// A tile holds the triangles of its cube, and of the cells no more than `margin` beside it. `scratch`: the

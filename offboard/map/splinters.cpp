@@ -44,8 +44,8 @@ class EdgeList {
   std::vector<bool> is_first_;  // by vertex: whether an edge begins there
 };
 
-// Suspects that hang on no other triangle, or only by a long way over suspects; `uses` counts all that have an
-// edge.
+// Suspects that hang on no other triangle, or only by a long way over suspects; `uses` counts all that have
+// an edge.
 void drop_loose(const std::vector<Suspect>& suspects, const std::vector<uint32_t>& uses,
                 std::vector<bool>& stands) {
   std::vector<uint32_t> own_uses(uses.size());
@@ -61,7 +61,8 @@ void drop_loose(const std::vector<Suspect>& suspects, const std::vector<uint32_t
   std::vector<const Suspect*> loose;
   for (const Suspect& suspect : suspects) loose.push_back(&suspect);
   for (int round = 0; round < kSplinterRounds && !loose.empty(); ++round) {
-    const auto found = std::partition(loose.begin(), loose.end(), [&](const Suspect* s) { return !hangs(*s); });
+    const auto found =
+        std::partition(loose.begin(), loose.end(), [&](const Suspect* s) { return !hangs(*s); });
     for (auto suspect = found; suspect != loose.end(); ++suspect) {
       for (const uint32_t edge : (*suspect)->edges) is_anchored[edge] = true;
     }

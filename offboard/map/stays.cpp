@@ -49,14 +49,16 @@ void StayFinder::add(std::span<const CloudSlice> parts) {
     firsts.clear();
     for (; end < copies.size() && copies[end].key == copies[begin].key; ++end) {
       const Copy& copy = copies[end];
-      // In a stay that begins after the one before, and not after this first copy, this is the one to agree with.
+      // In a stay that begins after the one before, and not after this first copy, this is the one to agree
+      // with.
       int64_t after = std::numeric_limits<int64_t>::min();
       for (const Copy& first : firsts) {
         if (sequence(first) == sequence(copy)) break;
         if (!agree(first, copy)) {
           Ranges& ranges = refused_[sequence(copy)];
           touched.insert(sequence(copy));
-          const bool is_known = !ranges.empty() && ranges.back().after <= after && ranges.back().to >= sequence(first);
+          const bool is_known =
+              !ranges.empty() && ranges.back().after <= after && ranges.back().to >= sequence(first);
           if (!is_known) ranges.push_back({after, sequence(first)});
         }
         after = sequence(first);

@@ -11,13 +11,14 @@
 
 namespace kt {
 
-/// Stays are runs of slices in which all copies of an EdgeKey agree (kWeldAgreement of a voxel): within a stay a
-/// key names one vertex. In the order of the slices a new stay begins with the first that holds a copy which
-/// does not agree with the first copy of its key in the current stay. Parts of one slice, which share their
-/// sequence, stay together.
+/// Stays are runs of slices in which all copies of an EdgeKey agree (kWeldAgreement of a voxel): within a
+/// stay a key names one vertex. In the order of the slices a new stay begins with the first that holds a copy
+/// which does not agree with the first copy of its key in the current stay. Parts of one slice, which share
+/// their sequence, stay together.
 ///
 /// The slices are those of one segment, where odometry put them: before they are deformed. They may be asked
-/// place by place: a stay may begin at a slice for what one place holds, and at another for what another does.
+/// place by place: a stay may begin at a slice for what one place holds, and at another for what another
+/// does.
 ///
 /// A stay says that its keys can be trusted, not that it shows no place twice: where odometry drifted by more
 /// than the surface is wide, no key comes again.

@@ -86,8 +86,7 @@ void TileWriter::add(const MeshTile& tile) {
 }
 
 void TileWriter::finish() {
-  std::sort(index_.begin(), index_.end(),
-            [](const TileEntry& a, const TileEntry& b) { return a.id < b.id; });
+  std::sort(index_.begin(), index_.end(), [](const TileEntry& a, const TileEntry& b) { return a.id < b.id; });
   Digest digest;
   digest.add_bytes(index_.data(), byte_count(index_));
   write(index_.data(), byte_count(index_));
@@ -100,7 +99,8 @@ TileFile::TileFile(std::filesystem::path path) : path_(std::move(path)), file_(p
   if (!file_) throw Error(path_.string() + ": cannot be read: " + std::strerror(errno));
   const auto read = [this](int64_t offset, void* bytes, size_t size) {
     file_.seekg(offset);
-    if (!file_.read(static_cast<char*>(bytes), static_cast<std::streamsize>(size))) fail_damaged("is not whole");
+    if (!file_.read(static_cast<char*>(bytes), static_cast<std::streamsize>(size)))
+      fail_damaged("is not whole");
   };
   Head head;
   read(0, &head, sizeof head);

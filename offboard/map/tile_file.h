@@ -15,8 +15,8 @@
 
 namespace kt {
 
-/// The triangles of a tile, and all vertices that they use. Vertices of one patch with equal keys are one, and
-/// equal bit for bit in all tiles that hold them. With normals, colours and quality.
+/// The triangles of a tile, and all vertices that they use. Vertices of one patch with equal keys are one,
+/// and equal bit for bit in all tiles that hold them. With normals, colours and quality.
 struct MeshTile {
   TileId id;
   WeldedMesh mesh;

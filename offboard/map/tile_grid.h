@@ -24,7 +24,9 @@ struct TileGrid {
   }
   /// Whether a cell lies in a cube, or no more than `margin` cells beside it.
   bool is_within(const TileId& id, Vec3i cell, int32_t margin) const {
-    const auto is_near = [&](int32_t a, int32_t at) { return a >= at * side - margin && a < (at + 1) * side + margin; };
+    const auto is_near = [&](int32_t a, int32_t at) {
+      return a >= at * side - margin && a < (at + 1) * side + margin;
+    };
     return is_near(cell.x, id.x) && is_near(cell.y, id.y) && is_near(cell.z, id.z);
   }
   /// Whether cells of several cubes meet in the edge, so that its vertex may stand in several tiles.

@@ -51,7 +51,8 @@ void BrickStore::for_each_within(Blocks& blocks, const VoxelBounds& bounds, cons
     for (size_t i = 0; i < places.size(); ++i) {
       if (places[i] == kNone) continue;
       const auto k = static_cast<int32_t>(i);
-      const Vec3i brick{key[2] * kBlockSide + (k & kInBlock), key[1] * kBlockSide + (k / kBlockSide & kInBlock),
+      const Vec3i brick{key[2] * kBlockSide + (k & kInBlock),
+                        key[1] * kBlockSide + (k / kBlockSide & kInBlock),
                         key[0] * kBlockSide + k / (kBlockSide * kBlockSide)};
       if (bounds.contains({brick.x * kBrickSide, brick.y * kBrickSide, brick.z * kBrickSide}))
         visit(places[i]);
@@ -78,7 +79,8 @@ void BrickStore::erase(const VoxelBounds& bounds) {
     place = kNone;
   });
   std::erase_if(blocks_, [](const auto& block) {
-    return std::all_of(block.second.begin(), block.second.end(), [](uint32_t place) { return place == kNone; });
+    return std::all_of(block.second.begin(), block.second.end(),
+                       [](uint32_t place) { return place == kNone; });
   });
 }
 

@@ -45,8 +45,7 @@ Json slices_json(std::span<const GroupMap> groups) {
   for (const GroupMap& map : groups) {
     for (const Segment& segment : map.group.segments) {
       count += segment.slices.size();
-      for (const SliceInfo& slice : segment.slices)
-        vertices += slice.vertices, triangles += slice.triangles;
+      for (const SliceInfo& slice : segment.slices) vertices += slice.vertices, triangles += slice.triangles;
     }
   }
   return {{"count", count}, {"vertices", vertices}, {"triangles", triangles}};

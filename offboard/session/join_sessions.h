@@ -33,9 +33,9 @@ struct MissionLog {
   Renumbering numbers;
 };
 
-/// Reads the slices of missions, in order, numbered as in the JoinedSession: one after the other, so that few are
-/// in memory. Throws kt::Error where a log cannot be read; what is damaged is passed over, as load_session
-/// does.
+/// Reads the slices of missions, in order, numbered as in the JoinedSession: one after the other, so that few
+/// are in memory. Throws kt::Error where a log cannot be read; what is damaged is passed over, as
+/// load_session does.
 void load_slices(std::span<const MissionLog> logs, const std::function<void(CloudSlice&&)>& take);
 
 }  // namespace kt

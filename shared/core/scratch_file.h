@@ -15,7 +15,8 @@ namespace kt {
 /// for a full disk or what else goes wrong, naming the file.
 class ScratchFile {
  public:
-  /// Makes the file, or replaces it. `holds`: what it is for, "the voxels of the whole map". Throws kt::Error.
+  /// Makes the file, or replaces it. `holds`: what it is for, "the voxels of the whole map". Throws
+  /// kt::Error.
   ScratchFile(std::filesystem::path path, std::string holds);
   ~ScratchFile();
   ScratchFile(const ScratchFile&) = delete;

@@ -55,9 +55,7 @@ OutputFile::~OutputFile() {
     std::filesystem::remove(path_, ignored);
 }
 
-void OutputFile::fail() {
-  kt::fail(path_, std::string("cannot be written whole: ") + std::strerror(errno));
-}
+void OutputFile::fail() { kt::fail(path_, std::string("cannot be written whole: ") + std::strerror(errno)); }
 
 void OutputFile::write(std::string_view bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) fail();

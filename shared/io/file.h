@@ -20,8 +20,8 @@ std::string read_file(const std::filesystem::path& path, size_t limit = size_t{1
 /// disk), and leaves no part of it then.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
-/// A file that is written piece by piece. Throws kt::Error as write_file; unless it is closed, no part of it is
-/// left.
+/// A file that is written piece by piece. Throws kt::Error as write_file; unless it is closed, no part of it
+/// is left.
 class OutputFile {
  public:
   /// Replaces the file.

@@ -74,8 +74,7 @@ void add_mesh(Json& head, const MeshStream& mesh, uint64_t body_bytes) {
   const size_t indices = add_array(head, 12 * mesh.triangles, kElementArrayBuffer,
                                    accessor(kUnsignedInt, "SCALAR", 3 * mesh.triangles));
   // Not metallic, else a map looks like dark metal.
-  head["materials"].push_back(
-      {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}}});
+  head["materials"].push_back({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}}});
   Json& primitive = head["meshes"][0]["primitives"][0];
   primitive = {{"attributes", attributes}, {"indices", indices}, {"material", 0}, {"mode", kTriangles}};
   head["nodes"].push_back({{"name", "map"}, {"mesh", 0}, {"rotation", {1, 0, 0, 0}}});  // x y z w
@@ -109,9 +108,8 @@ void write_glb(const MeshStream& mesh, const ByteSink& sink) {
                 " MiB, and a .glb file holds at most 4096: write it as .ply, or simplify it");
   }
   const bool has_mesh = mesh.triangles > 0;
-  Json head = {{"asset", {{"version", "2.0"}, {"generator", "Kintsugi"}}},
-               {"scene", 0},
-               {"scenes", Json::array()}};
+  Json head = {
+      {"asset", {{"version", "2.0"}, {"generator", "Kintsugi"}}}, {"scene", 0}, {"scenes", Json::array()}};
   head["scenes"].push_back(Json::object());
   if (has_mesh) add_mesh(head, mesh, body_bytes);
   std::string text = head.dump();
@@ -122,8 +120,8 @@ void write_glb(const MeshStream& mesh, const ByteSink& sink) {
     for (const uint64_t word : words) out.put(static_cast<uint32_t>(word));
   };
   constexpr uint64_t kFileHead = 12, kChunkHead = 8;
-  put_words({kMagic, kVersion,
-             kFileHead + kChunkHead + text.size() + (has_mesh ? kChunkHead + body_bytes : 0)});
+  put_words(
+      {kMagic, kVersion, kFileHead + kChunkHead + text.size() + (has_mesh ? kChunkHead + body_bytes : 0)});
   put_words({text.size(), kJsonChunk});
   out.text(text);
   if (has_mesh) {

@@ -58,9 +58,9 @@ struct SliceInfo {
 };
 
 struct Session {
-  SessionHeader header;            ///< its texts say "unknown" where the session event is missing
-  Trajectory trajectory;           ///< one pose per processed frame, in order
-  std::vector<SliceInfo> slices;   ///< in order
+  SessionHeader header;           ///< its texts say "unknown" where the session event is missing
+  Trajectory trajectory;          ///< one pose per processed frame, in order
+  std::vector<SliceInfo> slices;  ///< in order
   std::vector<Keyframe> keyframes;
   std::vector<LoopClosure> loop_closures;
   MissionStatus last_status;

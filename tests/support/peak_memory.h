@@ -21,8 +21,8 @@ inline int64_t status_bytes(const std::string& name) {
   return 0;
 }
 
-/// By how much the process is larger at most while action() runs; nothing where the system does not tell, or a
-/// sanitizer keeps what was freed.
+/// By how much the process is larger at most while action() runs; nothing where the system does not tell, or
+/// a sanitizer keeps what was freed.
 template <typename Action>
 std::optional<int64_t> peak_growth_bytes(const Action& action) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

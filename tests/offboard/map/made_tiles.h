@@ -20,7 +20,8 @@ inline constexpr TileGrid kOneTile{1 << 17};  // larger than what tests make
 inline MeshTile made_tile(int32_t patch, const Mesh& mesh) {
   MeshTile tile{{patch, 0, 0, 0}, {mesh, {}}};
   for (size_t i = 0; i < mesh.vertices.size(); ++i)
-    tile.mesh.keys.push_back(EdgeKey::of({static_cast<int32_t>(i % 1000) + 1, 1, static_cast<int32_t>(i / 1000) + 1}, 0));
+    tile.mesh.keys.push_back(
+        EdgeKey::of({static_cast<int32_t>(i % 1000) + 1, 1, static_cast<int32_t>(i / 1000) + 1}, 0));
   return tile;
 }
 
@@ -65,7 +66,8 @@ inline MadeMesh meshed(const std::filesystem::path& tiles, const MeshConfig& con
   return {gathered(made.mesh->stream()), made.islands};
 }
 
-/// Triangles as the places of their corners, each from its least on, sorted: what does not depend on the order.
+/// Triangles as the places of their corners, each from its least on, sorted: what does not depend on the
+/// order.
 inline std::vector<std::array<std::array<float, 3>, 3>> places_of(const Mesh& mesh) {
   std::vector<std::array<std::array<float, 3>, 3>> places;
   for (const auto& triangle : mesh.triangles) {

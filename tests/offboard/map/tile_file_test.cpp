@@ -68,7 +68,8 @@ TEST(TileFile, DamageAnywhereIsAnErrorThatNamesTheFileAndTheRemedy) {
     return error_of([&] { meshed(folder / "tiles", {}); });
   };
   EXPECT_EQ(error_with(whole), "");
-  const auto told = AllOf(HasSubstr("tiles: "), AnyOf(HasSubstr("run kintsugi-map again"), HasSubstr("no file of tiles")));
+  const auto told =
+      AllOf(HasSubstr("tiles: "), AnyOf(HasSubstr("run kintsugi-map again"), HasSubstr("no file of tiles")));
   for (size_t at = 0; at < whole.size(); at += 37) {
     std::vector<uint8_t> bytes = whole;
     bytes[at] ^= 0x10;

@@ -43,7 +43,9 @@ CloudSlice height_field(int x0, int x1, int height) {
   return slice;
 }
 
-bool same(const Mesh& a, const Mesh& b) { return mesh_digest(stream_of(a)).value() == mesh_digest(stream_of(b)).value(); }
+bool same(const Mesh& a, const Mesh& b) {
+  return mesh_digest(stream_of(a)).value() == mesh_digest(stream_of(b)).value();
+}
 
 // Edges that belong to one triangle only, and those of more than two.
 std::pair<int, int> open_and_crowded_edges(const Mesh& mesh) {

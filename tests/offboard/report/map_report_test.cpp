@@ -53,12 +53,14 @@ struct Made {
     placed.candidates = session.loop_closures;
     for (Group& group : take_groups(session, placed)) {
       MapMesh map{std::make_unique<StoredMesh>(folder / std::to_string(maps.size())), {}};
-      if (const auto& slices = group.segments.front().slices; !slices.empty() && slices.front().vertices > 0) {
+      if (const auto& slices = group.segments.front().slices;
+          !slices.empty() && slices.front().vertices > 0) {
         const Mesh mesh = weld(std::vector{sample_slice()});
         map.mesh->add_vertices(mesh);
         map.mesh->add_triangles(mesh.triangles);
       }
-      maps.push_back({std::move(group), std::move(map), SurfaceSource::kSlices, true, maps.empty() ? "." : ""});
+      maps.push_back(
+          {std::move(group), std::move(map), SurfaceSource::kSlices, true, maps.empty() ? "." : ""});
     }
   }
 };
