@@ -105,6 +105,7 @@ class MapRun {
     key_ = fuses ? fuse_key(key_, options_.frames, fusion_) : deform_key(key_);
     surface_stage_ = fuses ? "fuse" : "deform";
     surfaces_ = stages_.run(surface_stage_, key_, [this](const TellShare& tell) {
+      store_.open();
       const auto tiles = [this](const Group& group) { return store_.part(surface_stage_, group.number()); };
       return make_surfaces(source_, fusion_, groups_, joined_, options_, tiles, tell);
     });

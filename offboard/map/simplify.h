@@ -29,8 +29,8 @@ struct SimplifyReport {
 /// hangs together is not done. The vertex that stays is placed where the error is least; its normal, colour
 /// and quality lie between those of the two, in proportion. The error is of shape alone: on a flat wall the
 /// detail of colours goes with the triangles. Vertices and triangles that remain keep their order; the same
-/// mesh gives the same bytes. Vertices whose entry in `is_pinned` is true stay too, for others hang on them;
-/// empty for none.
+/// mesh gives the same bytes. Vertices whose entry in `is_pinned` is true (empty: none) stay too, and no two
+/// of them are newly joined by an edge: other meshes hang on them, and may have that edge.
 ///
 /// Takes some 250 bytes per triangle for as long as it runs. Fewer than 2^32 / 3 triangles.
 SimplifyReport simplify(const SimplifyConfig& config, Mesh& mesh, const std::vector<bool>& is_pinned = {});

@@ -10,23 +10,11 @@
 
 namespace kt {
 
-BytesOut::BytesOut(std::filesystem::path path) : path_(std::move(path)) {
-  file_.reset(std::fopen(path_.c_str(), "wb"));
-  if (!file_) throw Error(path_.string() + ": cannot be written: " + std::strerror(errno));
-}
-
-BytesOut::~BytesOut() {
-  if (!file_) return;
-  file_.reset();
-  std::error_code ignored;
-  std::filesystem::remove(path_, ignored);  // nobody closed it, so it is not whole
-}
-
 void BytesOut::bytes(const void* from, size_t size) {
-  if (path_.empty()) {
+  if (file_) {
+    file_->write({static_cast<const char*>(from), size});
+  } else {
     digest_.add_bytes(from, size);
-  } else if (std::fwrite(from, 1, size, file_.get()) != size) {
-    fail();
   }
 }
 
@@ -36,22 +24,7 @@ size_t BytesOut::count(size_t count, size_t) {
   return count;
 }
 
-void BytesOut::close() {
-  // A full disk may show only when the last block is flushed.
-  if (file_ && std::fflush(file_.get()) != 0) fail();
-  if (file_ && std::fclose(file_.release()) != 0) fail();
-}
-
-void BytesOut::fail() {
-  const std::string reason = std::strerror(errno);
-  file_.reset();
-  std::error_code ignored;
-  std::filesystem::remove(path_, ignored);
-  throw Error(path_.string() + ": cannot be written whole: " + reason);
-}
-
-BytesIn::BytesIn(std::filesystem::path path) : path_(std::move(path)) {
-  file_.reset(std::fopen(path_.c_str(), "rb"));
+BytesIn::BytesIn(std::filesystem::path path) : path_(std::move(path)), file_(path_, std::ios::binary) {
   if (!file_) fail(std::strerror(errno));
   std::error_code error;
   left_ = std::filesystem::file_size(path_, error);
@@ -59,7 +32,8 @@ BytesIn::BytesIn(std::filesystem::path path) : path_(std::move(path)) {
 }
 
 void BytesIn::bytes(void* to, size_t size) {
-  if (size > left_ || std::fread(to, 1, size, file_.get()) != size) fail("it ends early");
+  if (size > left_ || !file_.read(static_cast<char*>(to), static_cast<std::streamsize>(size)))
+    fail("it ends early");
   left_ -= size;
 }
 

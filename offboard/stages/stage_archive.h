@@ -4,9 +4,8 @@
 
 #include <array>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -16,6 +15,7 @@
 #include "shared/core/image.h"
 #include "shared/core/vec.h"
 #include "shared/geometry/se3.h"
+#include "shared/io/file.h"
 
 namespace kt {
 
@@ -74,33 +74,22 @@ class Archive : public Bytes {
   }
 };
 
-struct FileCloser {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
 /// Digests what it is given, or writes it where it has a file.
 class BytesOut {
  public:
   BytesOut() = default;  ///< digests
-  /// Replaces the file. Throws kt::Error naming it here and where it cannot be written whole; it is then
-  /// removed.
-  explicit BytesOut(std::filesystem::path path);
-  ~BytesOut();
-  BytesOut(const BytesOut&) = delete;
-  BytesOut& operator=(const BytesOut&) = delete;
+  /// Replaces the file; throws kt::Error as OutputFile, here and below.
+  explicit BytesOut(const std::filesystem::path& path) : file_(path) {}
 
   void bytes(const void* from, size_t size);
   size_t count(size_t count, size_t element_bytes);
-  /// To be called in the end: says whether all of it is in the file.
-  void close();
+  /// To be called in the end; the file is removed without.
+  void close() { file_->close(); }
 
   const Digest& digest() const { return digest_; }
 
  private:
-  [[noreturn]] void fail();
-
-  std::filesystem::path path_;
-  std::unique_ptr<std::FILE, FileCloser> file_;
+  std::optional<OutputFile> file_;
   Digest digest_;
 };
 
@@ -120,7 +109,7 @@ class BytesIn {
   [[noreturn]] void fail(const char* what);
 
   std::filesystem::path path_;
-  std::unique_ptr<std::FILE, FileCloser> file_;
+  std::ifstream file_;
   uint64_t left_ = 0;
 };
 

@@ -28,6 +28,14 @@ void StageRunner::end(const std::string& name, bool is_from_file) {
   tell(name, 1);
 }
 
+// The room of files that did not become whole is given back.
+void StageRunner::give_up(const std::string& name) noexcept {
+  try {
+    store_.clear(name);
+  } catch (const std::exception&) {  // what stays has no record
+  }
+}
+
 void StageRunner::tell(const std::string& name, double share) {
   if (progress_) progress_(name, share, time_to_go_.left(share, now_s()).value_or(-1));
 }

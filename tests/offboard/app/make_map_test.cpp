@@ -41,6 +41,10 @@ CloudSlice slice_of(int segment, float x_m, bool is_final) {
   slice.sequence = segment;
   slice.segment = segment;
   slice.is_final = is_final;
+  // Edges of one cell, as those of triangles are.
+  const EdgeKey keys[] = {EdgeKey::of({9, 9, 9}, 0), EdgeKey::of({9, 9, 9}, 1), EdgeKey::of({9, 9, 9}, 2),
+                          EdgeKey::of({10, 9, 9}, 1), EdgeKey::of({9, 10, 9}, 0)};
+  for (size_t i = 0; i < slice.vertices.size(); ++i) slice.vertices[i].key = keys[i];
   for (SliceVertex& vertex : slice.vertices) vertex.p_odom.x += x_m;
   return slice;
 }

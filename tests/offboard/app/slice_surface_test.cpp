@@ -41,8 +41,7 @@ class SliceSurface : public ::testing::Test {
   Mesh surface(const SliceSurfaceConfig& config) {
     bool is_in_place = true;
     surface_of_slices(
-        group_, std::vector<MissionLog>{{folder_ / "a.lcm", {}}}, config, folder_ / "tiles", [](double) {},
-        &is_in_place);
+        group_, logs_, config, folder_ / "tiles", [](double) {}, &is_in_place);
     EXPECT_TRUE(is_in_place);
     for (const auto& file : std::filesystem::directory_iterator(folder_.path()))
       EXPECT_TRUE(file.path().filename() == "tiles" || file.path().filename() == "a.lcm") << file.path();
@@ -50,17 +49,21 @@ class SliceSurface : public ::testing::Test {
   }
 
   ScratchDir folder_;
+  std::vector<MissionLog> logs_{{folder_ / "a.lcm", {}}};
   std::vector<CloudSlice> slices_;
   Group group_;
 };
 
 TEST_F(SliceSurface, WhereNothingMovesIsThatOfWeldingAll) {
-  const Mesh whole = weld(slices_);
+  std::vector<CloudSlice> logged;
+  load_slices(logs_, [&](CloudSlice&& slice) { logged.push_back(std::move(slice)); });
+  EXPECT_GT(logged.size(), slices_.size()) << "parts";
+  const Mesh whole = weld(logged);
   ASSERT_GT(whole.triangles.size(), 20'000u);
   for (const int32_t side : {1 << 17, 60}) {
     const Mesh mesh = surface({{side}, 1});
     EXPECT_EQ(mesh.vertices.size(), whole.vertices.size()) << side;
-    EXPECT_EQ(places_of(mesh), places_of(whole)) << side;
+    EXPECT_TRUE(places_of(mesh) == places_of(whole)) << side;
   }
 }
 
@@ -74,7 +77,7 @@ TEST_F(SliceSurface, DoesNotDependOnTheTiles) {
   for (const int32_t side : {100, 40, 17}) {
     const Mesh mesh = surface({{side}, 2});
     EXPECT_EQ(mesh.vertices.size(), whole.vertices.size()) << side;
-    EXPECT_EQ(places_of(mesh), expected) << side;
+    EXPECT_TRUE(places_of(mesh) == expected) << side;
   }
 }
 

@@ -86,7 +86,7 @@ TEST(Islands, GoOverTheBordersOfTilesButNotOfPatches) {
     EXPECT_EQ(made.islands.dropped_triangles, 12 * 2) << side;
     EXPECT_EQ(made.mesh.vertices.size(), 41u * 7 + 4u * 7) << side;
     if (expected.empty()) expected = places_of(made.mesh);
-    EXPECT_EQ(places_of(made.mesh), expected) << side;
+    EXPECT_TRUE(places_of(made.mesh) == expected) << side;
     EXPECT_EQ(meshed(folder / "tiles", {{.min_triangles = 12 * 3 + 1, .min_area_m2 = 0}, {}})
                   .islands.dropped_islands,
               2)

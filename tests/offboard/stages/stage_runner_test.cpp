@@ -92,6 +92,7 @@ TEST(StageRunner, WhatFailsLeavesNothing) {
   const StageProgress nobody;
   StageRunner stages(store, nobody);
   const auto fail = [&](const TellShare&) -> std::vector<double> {
+    store.open();
     write_file(store.part("square", 1), "half of it");
     throw Error("the disk is full");
   };

@@ -20,7 +20,8 @@ Digest key_of(int number) {
 }
 
 void keep(StageStore& store, const std::string& content, int key = 1) {
-  store.begin("loops");
+  store.clear("loops");
+  store.open();
   write_file(store.file("loops"), content);
   store.finish("loops", key_of(key), 2.5);
 }
@@ -72,7 +73,8 @@ TEST(StageStore, PartsBelongToTheirStage) {
   const ScratchDir folder;
   StageStore store(folder / "stages", true);
   const auto keep_parts = [&] {
-    store.begin("fuse");
+    store.clear("fuse");
+    store.open();
     for (const int number : {0, 12}) write_file(store.part("fuse", number), "part");
     write_file(store.file("fuse"), "all");
     store.finish("fuse", key_of(1), 1);
@@ -87,7 +89,7 @@ TEST(StageStore, PartsBelongToTheirStage) {
   EXPECT_EQ(store.state("fuse", key_of(1)), State::kDamaged);
   keep(store, "abc");
   EXPECT_TRUE(std::filesystem::exists(folder / "stages/fuse-12")) << "of another stage";
-  store.begin("fuse");
+  store.clear("fuse");
   EXPECT_FALSE(std::filesystem::exists(folder / "stages/fuse-12"));
 }
 
@@ -97,7 +99,7 @@ TEST(StageStore, AnInterruptedWriteLeavesNothingThatCounts) {
   {
     StageStore store(folder / "stages", true);
     keep(store, "abc");
-    store.begin("loops");
+    store.clear("loops");
     write_file(store.file("loops"), "abc");  // killed here
   }
   StageStore store(folder / "stages", true);
@@ -107,7 +109,7 @@ TEST(StageStore, AnInterruptedWriteLeavesNothingThatCounts) {
   keep(store, "abc");
   EXPECT_EQ(store.state("loops", key_of(1)), State::kWhole);
   EXPECT_FALSE(std::filesystem::exists(folder / "stages/loops.json.tmp"));
-  store.abandon("loops");
+  store.clear("loops");
   EXPECT_TRUE(std::filesystem::is_empty(folder / "stages"));
 }
 
@@ -136,7 +138,8 @@ TEST(StageStore, AFolderThatCannotBeMadeIsAnError) {
   const ScratchDir folder;
   write_file(folder / "file", "x");
   StageStore store(folder / "file/stages", true);
-  EXPECT_THROW(store.begin("loops"), Error);
+  store.clear("loops");
+  EXPECT_THROW(store.open(), Error);
 }
 
 }  // namespace
