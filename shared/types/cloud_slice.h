@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "shared/geometry/se3.h"
@@ -22,6 +23,9 @@ struct CloudSlice {
   std::vector<std::array<uint32_t, 3>>
       triangles;  ///< indices into `vertices`, counter-clockwise seen from outside
 };
+
+/// The triangles of `slice` with these numbers, in this order, and the vertices that they use. Never final.
+CloudSlice part_of(const CloudSlice& slice, std::span<const uint32_t> triangles);
 
 /// `slice` in parts of at most `max_triangles` triangles and three times as many vertices, which weld to the
 /// same surface: vertices of triangles in several parts stand in each. Only the last part is final. Vertices
