@@ -1,5 +1,6 @@
 // Looks up each message of a log as lcm-spy does, and decodes it.
 // SPDX-License-Identifier: BSD-3-Clause
+import java.io.DataInput;
 import java.io.EOFException;
 import lcm.lcm.LCMDataInputStream;
 import lcm.logging.Log;
@@ -15,7 +16,7 @@ public class KnownMessages {
         Log.Event event = log.readNext();
         Class<?> type = types.getClassByFingerprint(new LCMDataInputStream(event.data).readLong());
         if (type == null) throw new Exception("lcm-spy does not know the type on " + event.channel);
-        type.getConstructor(LCMDataInputStream.class).newInstance(new LCMDataInputStream(event.data));
+        type.getConstructor(DataInput.class).newInstance(new LCMDataInputStream(event.data));
         System.out.println(event.channel + " " + type.getName());
         ++known;
       }
