@@ -12,7 +12,9 @@
 #include "onboard/app/config_fields.h"
 #include "onboard/app/mission.h"
 #include "onboard/app/mission_report.h"
+#include "onboard/publish/lcm_sink.h"
 #include "onboard/publish/log_sink.h"
+#include "onboard/publish/tee_sink.h"
 #include "shared/cli/program.h"
 #include "shared/cli/progress_line.h"
 #include "shared/core/version.h"
@@ -29,6 +31,8 @@ struct Options {
   std::vector<std::string> settings;
   int threads = 0;
   std::string raw_colour = "jpeg";
+  std::optional<std::string> publish;  // empty: LCM's default URL
+  double publish_rate_mb_s = 4, idle_timeout_s = 0;
   bool record_raw = false, overwrite = false, quiet = false, print_config = false;
 };
 
@@ -61,6 +65,12 @@ class FrameProgress {
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+std::shared_ptr<kt::LcmSink> open_live_sink(const Options& options) {
+  return std::make_shared<kt::LcmSink>(
+      std::make_shared<kt::LcmBus>(*options.publish),
+      kt::LcmSink::Options{.bytes_per_second = options.publish_rate_mb_s * 1e6});
+}
+
 void run(const Options& options) {
   const kt::CollectorConfig config = read_config(options);
   if (options.print_config) {
@@ -78,6 +88,7 @@ void run(const Options& options) {
   mission.device = kt::exec::Device::from_name(options.device, options.threads);
   mission.record_raw = options.record_raw;
   mission.stop = &stop_requested;
+  mission.idle_timeout_s = options.idle_timeout_s;
   kt::LogSink sink(options.log, {.overwrite = options.overwrite,
                                  .frames = {.lossless_colour = options.raw_colour == "png"}});
   if (!options.quiet) {
@@ -91,7 +102,18 @@ void run(const Options& options) {
     mission.on_progress = [&](const kt::MissionStatus& status, int64_t count) {
       progress.show(status, count);
     };
-  const kt::MissionSummary summary = kt::run_mission(*source, sink, mission);
+  std::shared_ptr<kt::LcmSink> live;
+  if (options.publish) live = open_live_sink(options);
+  // From here on there is something to finish.
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop_requested = true; });
+  kt::MissionSummary summary;
+  if (live) {
+    kt::TeeSink both(sink, *live);
+    summary = kt::run_mission(*source, both, mission);
+    summary.publishing = live->counts();
+  } else {
+    summary = kt::run_mission(*source, sink, mission);
+  }
   progress.end();
   if (!options.quiet) std::cout << kt::mission_report_text(summary);
   if (!options.report.empty()) kt::write_mission_report(summary, options.report);
@@ -126,6 +148,20 @@ int main(int argc, char** argv) {
                  "how --record-raw stores colour: jpeg, or png (lossless: a replay gives the same mission)")
       ->check(CLI::IsMember({"jpeg", "png"}))
       ->capture_default_str();
+  app.add_option(
+         "--publish", options.publish,
+         "publish poses, slices, keyframes, closures and status on LCM while the mission runs; URL as "
+         "LCM takes it, by default $LCM_DEFAULT_URL or udpm://239.255.76.67:7667?ttl=0")
+      ->expected(0, 1)
+      ->type_name("[URL]");
+  app.add_option("--publish-rate", options.publish_rate_mb_s,
+                 "MB per second at which slices and keyframes are published; see docs/lcm.md")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  app.add_option("--idle-timeout", options.idle_timeout_s,
+                 "end the mission where a live input has brought no frame for so many seconds; 0 = never")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   app.add_flag("--overwrite", options.overwrite, "replace an existing log");
   app.add_option("--report", options.report, "write the end report as JSON");
   app.add_flag("--print-config", options.print_config,
@@ -133,6 +169,5 @@ int main(int argc, char** argv) {
   app.add_flag("--quiet,-q", options.quiet, "print errors only");
   app.set_version_flag("--version", std::string("kintsugi-collect ") + kt::kProgramVersion);
 
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop_requested = true; });
   return kt::run_program(app, argc, argv, [&] { run(options); });
 }

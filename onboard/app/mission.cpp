@@ -59,7 +59,14 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
       return {};  // the end
     }
   };
+  auto last_frame = start;
   for (SourceItem item = next(); item.kind != SourceItem::Kind::kEnd && !stopped(); item = next()) {
+    if (item.kind == SourceItem::Kind::kNothingYet) {
+      const std::chrono::duration<double> idle = std::chrono::steady_clock::now() - last_frame;
+      if (options.idle_timeout_s == 0 || idle.count() < options.idle_timeout_s) continue;
+      summary.timed_out = true;
+      break;
+    }
     if (item.kind == SourceItem::Kind::kSkipped) {
       collector.count_skipped_frame();
       keep_reason(summary.skip_reasons, item.reason);
@@ -74,6 +81,7 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
       take_sample(item.motion);
       continue;
     }
+    last_frame = std::chrono::steady_clock::now();
     if (collector.status().frames == 0) {
       summary.first_us = item.frame.timestamp_us;
       sink.on_session({SessionHeader::kFormatVersion, item.frame.timestamp_us, kProgramVersion,
@@ -87,8 +95,10 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   summary.interrupted = stopped();
   if (collector.status().frames == 0 && !summary.interrupted) {
     if (failure) std::rethrow_exception(failure);
-    throw Error("no usable frame in the input: " +
-                (summary.skip_reasons.empty() ? "it holds none" : summary.skip_reasons.front()));
+    throw Error("no usable frame in the input: " + (!summary.skip_reasons.empty()
+                                                        ? summary.skip_reasons.front()
+                                                    : summary.timed_out ? "none came in time"
+                                                                        : "it holds none"));
   }
   if (collector.status().frames > 0) collector.finish();
   sink.close();

@@ -6,11 +6,13 @@
 #include <atomic>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "onboard/app/collector.h"
 #include "onboard/app/tracking_stretches.h"
+#include "onboard/publish/lcm_sink.h"
 #include "onboard/source/frame_source.h"
 
 namespace kt {
@@ -30,7 +32,9 @@ struct MissionSummary {
   int threads = 1;             ///< of the cpu
   double seconds = 0;          ///< wall time
   double peak_memory_mib = 0;
-  bool interrupted = false;  ///< `stop` ended it
+  bool interrupted = false;                   ///< `stop` ended it
+  bool timed_out = false;                     ///< no frame came any more
+  std::optional<LcmSink::Counts> publishing;  ///< where results were published live
 };
 
 struct MissionOptions {
@@ -38,6 +42,8 @@ struct MissionOptions {
   exec::Device device;
   bool record_raw = false;                  ///< frames, and motion samples in their place among them
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: finish what is there and end
+  /// A live source that has brought no frame for so long by the wall clock has ended; 0 = never.
+  double idle_timeout_s = 0;
   std::function<void(const MissionStatus&, int64_t frame_count)>
       on_progress;  ///< after every frame; count -1 = unknown
 };

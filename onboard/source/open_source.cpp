@@ -10,7 +10,7 @@ namespace {
 using Opened = std::unique_ptr<FrameSource>;
 
 struct Scheme {
-  const char *name, *argument;
+  const char *name, *argument;  // in brackets where it may be empty
   Opened (*open)(const std::string& argument);
 };
 
@@ -20,6 +20,7 @@ constexpr Scheme kSchemes[] = {
     {"7scenes", "DIR", [](const std::string& folder) { return open_dataset_source("7scenes", folder); }},
     {"synthetic", "NAME", [](const std::string& name) { return open_synthetic_source(name); }},
     {"lcm-log", "FILE", [](const std::string& file) { return open_log_source(file); }},
+    {"lcm", "[URL]", [](const std::string& url) { return open_lcm_source(url); }},
 };
 
 }  // namespace
@@ -33,9 +34,10 @@ std::vector<std::string> source_specs() {
 std::unique_ptr<FrameSource> open_source(const std::string& spec,
                                          const std::optional<Calibration>& calibration) {
   const size_t colon = spec.find(':');
-  if (colon != std::string::npos && colon + 1 < spec.size()) {
+  if (colon != std::string::npos) {
     for (const Scheme& scheme : kSchemes) {
       if (spec.substr(0, colon) != scheme.name) continue;
+      if (colon + 1 == spec.size() && scheme.argument[0] != '[') break;
       return std::make_unique<CheckedSource>(scheme.open(spec.substr(colon + 1)), calibration);
     }
   }

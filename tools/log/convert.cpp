@@ -63,6 +63,7 @@ std::string source_to_log(const std::string& from, const std::filesystem::path& 
     log->write(channel_of<MotionSample>(), sample.timestamp_us, encode(sample, samples++));
   };
   for (SourceItem item = source->next(); item.kind != SourceItem::Kind::kEnd; item = source->next()) {
+    if (item.kind == SourceItem::Kind::kNothingYet) continue;
     if (item.kind == SourceItem::Kind::kSkipped) {
       if (skipped++ == 0) first_reason = item.reason;
       continue;
