@@ -59,6 +59,15 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
       return {};  // the end
     }
   };
+  bool is_gone = false;
+  const auto interrupt = [&](const std::string& reason) {
+    if (!std::exchange(is_gone, true)) {
+      ++summary.camera_losses;
+      keep_reason(summary.camera_loss_reasons, reason);
+    }
+    collector.interrupt();
+    if (options.on_progress) options.on_progress(collector.status(), source.frame_count());
+  };
   for (SourceItem item = next(); item.kind != SourceItem::Kind::kEnd && !stopped(); item = next()) {
     if (item.kind == SourceItem::Kind::kSkipped) {
       collector.count_skipped_frame();
@@ -74,6 +83,11 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
       take_sample(item.motion);
       continue;
     }
+    if (item.kind == SourceItem::Kind::kInterrupted) {
+      interrupt(item.reason);
+      continue;
+    }
+    is_gone = false;
     if (collector.status().frames == 0) {
       summary.first_us = item.frame.timestamp_us;
       sink.on_session({SessionHeader::kFormatVersion, item.frame.timestamp_us, kProgramVersion,

@@ -55,6 +55,10 @@ SourceItem CheckedSource::next() {
       case SourceItem::Kind::kMotion:
         (held_ ? samples_behind_held_ : samples_).push_back(item.motion);
         break;
+      case SourceItem::Kind::kInterrupted:
+        release_last();
+        ready_.push_back(std::move(item));
+        break;
       case SourceItem::Kind::kEnd:
         release_last();
         if (ready_.empty()) return item;
