@@ -101,8 +101,10 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   summary.interrupted = stopped();
   if (collector.status().frames == 0 && !summary.interrupted) {
     if (failure) std::rethrow_exception(failure);
-    throw Error("no usable frame in the input: " +
-                (summary.skip_reasons.empty() ? "it holds none" : summary.skip_reasons.front()));
+    std::string why = "it holds none";
+    for (const auto* reasons : {&summary.camera_loss_reasons, &summary.skip_reasons})
+      if (!reasons->empty()) why = reasons->front();
+    throw Error("no usable frame in the input: " + why);
   }
   if (collector.status().frames > 0) collector.finish();
   sink.close();

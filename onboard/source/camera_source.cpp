@@ -65,7 +65,7 @@ void CameraSource::read() {
   try {
     CameraEvent event = camera_->read(kLongestSilence);
     if (event.kind == CameraEvent::Kind::kEnd) {
-      end();
+      end({});
     } else if (event.kind != CameraEvent::Kind::kNothing) {
       take(std::move(event));
     } else {
@@ -116,10 +116,12 @@ void CameraSource::count_dropped(const CameraEvent& event) {
   last_counter_ = event.counter;
 }
 
-void CameraSource::end() {
+void CameraSource::end(const std::string& why) {
   while (auto item = pairing_.next_at_end()) ready_.push_back(std::move(*item));
-  skip(std::min(info_.frame_count - depth_images_, kMostDropped),
-       "announced by the recording, which does not hold it");
+  const bool is_known = info_.frame_count >= 0;
+  const int64_t missing = is_known ? info_.frame_count - depth_images_ : !why.empty();
+  skip(std::min(missing, kMostDropped),
+       "announced by the recording, which does not hold it" + (why.empty() ? "" : ": " + why));
   is_at_end_ = true;
 }
 
@@ -131,10 +133,7 @@ void CameraSource::skip(int64_t count, const std::string& reason) {
 void CameraSource::lose(const std::string& reason) {
   while (auto item = pairing_.next_at_end()) ready_.push_back(std::move(*item));
   camera_.reset();
-  if (info_.is_recording) {
-    ready_.push_back({.kind = SourceItem::Kind::kSkipped, .reason = info_.name + ": " + reason});
-    return end();
-  }
+  if (info_.is_recording) return end(reason);
   pairing_ = FramePairing(info_);
   stamps_.interrupt();
   last_counter_.reset();

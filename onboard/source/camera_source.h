@@ -37,7 +37,8 @@ class CameraSource final : public FrameSource {
   void read();
   void take(CameraEvent event);
   void count_dropped(const CameraEvent& event);
-  void end();
+  /// Of a recording; `why` it ended early, or empty.
+  void end(const std::string& why);
   void lose(const std::string& reason);
   void try_again();
   void skip(int64_t count, const std::string& reason);

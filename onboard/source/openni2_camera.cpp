@@ -49,13 +49,10 @@ struct Library {
   }
 };
 
-bool is_depth_format(openni::PixelFormat format) {
-  return format == openni::PIXEL_FORMAT_DEPTH_1_MM || format == openni::PIXEL_FORMAT_DEPTH_100_UM;
-}
-
 bool is_usable(openni::SensorType sensor, const openni::VideoMode& mode) {
-  return sensor == openni::SENSOR_DEPTH ? is_depth_format(mode.getPixelFormat())
-                                        : mode.getPixelFormat() == openni::PIXEL_FORMAT_RGB888;
+  const openni::PixelFormat format = mode.getPixelFormat();
+  if (sensor != openni::SENSOR_DEPTH) return format == openni::PIXEL_FORMAT_RGB888;
+  return format == openni::PIXEL_FORMAT_DEPTH_1_MM || format == openni::PIXEL_FORMAT_DEPTH_100_UM;
 }
 
 std::string text_of(const openni::VideoMode& mode) {
@@ -275,19 +272,11 @@ class OpenNi2Device final : public CameraDevice {
   CameraInfo info_;
 };
 
-// What tells a device that was plugged in again, at another port perhaps, from others.
-struct Identity {
-  std::string uri, name;
-  int vendor = 0, product = 0;
-  explicit Identity(const openni::DeviceInfo& device)
-      : uri(device.getUri()),
-        name(device.getName()),
-        vendor(device.getUsbVendorId()),
-        product(device.getUsbProductId()) {}
-  bool is_like(const Identity& other) const {
-    return vendor == other.vendor && product == other.product && name == other.name;
-  }
-};
+// Whether it may be the same device, plugged in again at another port.
+bool is_like(const openni::DeviceInfo& a, const openni::DeviceInfo& b) {
+  return a.getUsbVendorId() == b.getUsbVendorId() && a.getUsbProductId() == b.getUsbProductId() &&
+         std::strcmp(a.getName(), b.getName()) == 0;
+}
 
 /// Finds the device that a text names, and later the same one again.
 class Finder {
@@ -296,28 +285,28 @@ class Finder {
 
   std::string uri() {
     const std::vector<openni::DeviceInfo> devices = Library::devices();
-    const Identity* like = nullptr;
-    std::vector<Identity> found(devices.begin(), devices.end());
-    for (const Identity& device : found) {
-      if (device.uri == (chosen_ ? chosen_->uri : asked_)) return choose(device);
-      if (like == nullptr && (chosen_ ? device.is_like(*chosen_) : asked_.empty())) like = &device;
+    for (const openni::DeviceInfo& device : devices) {
+      if ((chosen_ ? chosen_->getUri() : asked_) == device.getUri()) return choose(device);
     }
-    if (like != nullptr) return choose(*like);
+    for (const openni::DeviceInfo& device : devices) {
+      if (chosen_ ? is_like(device, *chosen_) : asked_.empty()) return choose(device);
+    }
     if (chosen_) throw Error("not plugged in");
-    if (asked_.empty())
-      throw Error(
-          "openni2: no device is there; kintsugi-collect --list-cameras shows what is (docs/cameras.md)");
+    if (asked_.empty()) {
+      throw Error("openni2: no device is there; kintsugi-collect --list-cameras shows what is " +
+                  std::string("(docs/cameras.md)"));
+    }
     return asked_;  // recordings, and devices that a driver finds only when asked for
   }
 
  private:
-  std::string choose(const Identity& device) {
+  std::string choose(const openni::DeviceInfo& device) {
     chosen_ = device;
-    return device.uri;
+    return device.getUri();
   }
 
   std::string asked_;
-  std::optional<Identity> chosen_;
+  std::optional<openni::DeviceInfo> chosen_;
 };
 
 }  // namespace

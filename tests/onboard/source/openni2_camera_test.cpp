@@ -169,14 +169,14 @@ TEST(OpenNi2Recording, CutOffOrNoneAtAllEndsWithAWord) {
   const std::string path = (dir / "room.oni").string();
   record_oni(path, small_calibration(), room_frames(6));
   std::vector<uint8_t> bytes = read_bytes(path);
-  bytes.resize(bytes.size() / 2);
+  bytes.resize(200'000);  // of 480'000
   write_bytes(path, bytes);
   CameraSource source(openni2_camera(path));
   int frames = 0, skipped = 0;
   for (SourceItem item = source.next(); item.kind != Kind::kEnd; item = source.next())
     ++(item.kind == Kind::kFrame ? frames : skipped);
   EXPECT_LT(frames, 6);
-  EXPECT_GT(skipped, 0);
+  EXPECT_EQ(frames + skipped, 6);
   write_bytes(path, {1, 2, 3});
   EXPECT_THAT(error_of([&] { openni2_camera(path)(); }), HasSubstr("cannot be opened"));
 }

@@ -7,6 +7,9 @@
 #include <linux/videodev2.h>
 
 namespace kt::test {
+
+const uint32_t kSimulatedZ16 = V4L2_PIX_FMT_Z16, kSimulatedRgb24 = V4L2_PIX_FMT_RGB24;
+
 namespace {
 
 int failed(int error) {
@@ -201,6 +204,7 @@ int SimulatedV4l2::poll(pollfd* files, size_t count, int timeout_ms) {
                                                                   : 0);
     ready += files[i].revents != 0;
   }
+  if (ready == 0 && on_silence) on_silence();
   if (ready == 0) now_us += int64_t{1000} * timeout_ms;
   return ready;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -12,6 +13,9 @@
 #include "onboard/source/v4l2_system.h"
 
 namespace kt::test {
+
+/// Of formats, for those who do not know the requests: V4L2_PIX_FMT_...
+extern const uint32_t kSimulatedZ16, kSimulatedRgb24;
 
 /// What a node gives.
 struct SimulatedFormat {
@@ -62,6 +66,7 @@ class SimulatedV4l2 final : public V4l2System {
   int64_t monotonic_us() override { return now_us; }
   std::vector<std::string> nodes() override;
 
+  std::function<void()> on_silence;  ///< where poll finds nothing
   int64_t now_us = 1'000'000;
 
  private:
