@@ -33,21 +33,22 @@ void check(openni::Status status, const std::string& what) {
   if (status != openni::STATUS_OK) throw Error(what + ": " + library_error());
 }
 
-/// The library with its drivers; it counts how often it was opened.
-struct Library {
-  Library() { check(openni::OpenNI::initialize(), "OpenNI2 cannot start"); }
-  ~Library() { openni::OpenNI::shutdown(); }
-  Library(const Library&) = delete;
-  Library& operator=(const Library&) = delete;
+// Once, and for good: threads of drivers outlive their devices, and would lose the code they run in.
+void start_library() {
+  static const bool is_started = [] {
+    check(openni::OpenNI::initialize(), "OpenNI2 cannot start");
+    return true;
+  }();
+  (void)is_started;
+}
 
-  static std::vector<openni::DeviceInfo> devices() {
-    openni::Array<openni::DeviceInfo> list;
-    openni::OpenNI::enumerateDevices(&list);
-    std::vector<openni::DeviceInfo> devices;
-    for (int i = 0; i < list.getSize(); ++i) devices.push_back(list[i]);
-    return devices;
-  }
-};
+std::vector<openni::DeviceInfo> present_devices() {
+  openni::Array<openni::DeviceInfo> list;
+  openni::OpenNI::enumerateDevices(&list);
+  std::vector<openni::DeviceInfo> devices;
+  for (int i = 0; i < list.getSize(); ++i) devices.push_back(list[i]);
+  return devices;
+}
 
 bool is_usable(openni::SensorType sensor, const openni::VideoMode& mode) {
   const openni::PixelFormat format = mode.getPixelFormat();
@@ -284,7 +285,7 @@ class Finder {
   explicit Finder(std::string asked) : asked_(std::move(asked)) {}
 
   std::string uri() {
-    const std::vector<openni::DeviceInfo> devices = Library::devices();
+    const std::vector<openni::DeviceInfo> devices = present_devices();
     for (const openni::DeviceInfo& device : devices) {
       if ((chosen_ ? chosen_->getUri() : asked_) == device.getUri()) return choose(device);
     }
@@ -315,15 +316,16 @@ CameraOpener openni2_camera(const std::string& text) {
   const CameraSpec spec = CameraSpec::parse("openni2", text, {"size", "fps", "registration"});
   if (spec.device.ends_with(".oni") && !std::filesystem::is_regular_file(spec.device))
     throw Error("openni2:" + spec.device + ": there is no such recording");
-  return [spec, library = std::make_shared<Library>(), finder = std::make_shared<Finder>(spec.device)] {
+  start_library();
+  return [spec, finder = std::make_shared<Finder>(spec.device)] {
     return std::make_unique<OpenNi2Device>(finder->uri(), spec);
   };
 }
 
 std::vector<FoundCamera> openni2_cameras() {
-  const Library library;
+  start_library();
   std::vector<FoundCamera> cameras;
-  for (const openni::DeviceInfo& info : Library::devices()) {
+  for (const openni::DeviceInfo& info : present_devices()) {
     FoundCamera found{.spec = std::string("openni2:") + info.getUri(),
                       .name = std::string(info.getVendor()) + " " + info.getName(),
                       .modes = {}};
