@@ -110,6 +110,16 @@ void Collector::publish_status() {
   ++status_.sequence;
 }
 
+void Collector::interrupt() {
+  if (status_.frames == 0) return;  // nothing has begun yet
+  model_ = nullptr;
+  status_.tracking = TrackingStatus::kLost;
+  status_.source = PoseSource::kNone;
+  status_.cause = TrackingCause::kNoFrames;
+  status_.inlier_share = 0;
+  publish_status();
+}
+
 void Collector::finish() {
   publish_places(places_.finish());
   CloudSlice slice = flush_volume();

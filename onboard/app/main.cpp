@@ -15,6 +15,7 @@
 #include "onboard/publish/lcm_sink.h"
 #include "onboard/publish/log_sink.h"
 #include "onboard/publish/tee_sink.h"
+#include "onboard/source/cameras.h"
 #include "shared/cli/program.h"
 #include "shared/cli/progress_line.h"
 #include "shared/core/version.h"
@@ -33,7 +34,7 @@ struct Options {
   std::string raw_colour = "jpeg";
   std::optional<std::string> publish;  // empty: LCM's default URL
   double publish_rate_mb_s = 4, idle_timeout_s = 0;
-  bool record_raw = false, overwrite = false, quiet = false, print_config = false;
+  bool record_raw = false, overwrite = false, quiet = false, print_config = false, list_cameras = false;
 };
 
 kt::CollectorConfig read_config(const Options& options) {
@@ -71,7 +72,19 @@ std::shared_ptr<kt::LcmSink> open_live_sink(const Options& options) {
       kt::LcmSink::Options{.bytes_per_second = options.publish_rate_mb_s * 1e6});
 }
 
+void list_cameras() {
+  std::vector<kt::FoundCamera> cameras = kt::openni2_cameras();
+  for (kt::FoundCamera& camera : kt::v4l2_cameras()) cameras.push_back(std::move(camera));
+  if (cameras.empty())
+    std::cout << "no camera is plugged in, or none that this user may see (docs/cameras.md)\n";
+  for (const kt::FoundCamera& camera : cameras) {
+    std::cout << camera.spec << "  " << camera.name << '\n';
+    for (const std::string& mode : camera.modes) std::cout << "  " << mode << '\n';
+  }
+}
+
 void run(const Options& options) {
+  if (options.list_cameras) return list_cameras();
   const kt::CollectorConfig config = read_config(options);
   if (options.print_config) {
     std::cout << kt::config_to_yaml(config, /*with_help=*/true);
@@ -166,6 +179,8 @@ int main(int argc, char** argv) {
   app.add_option("--report", options.report, "write the end report as JSON");
   app.add_flag("--print-config", options.print_config,
                "print the configuration with every field explained, and stop");
+  app.add_flag("--list-cameras", options.list_cameras,
+               "print what cameras are there and their modes, and stop");
   app.add_flag("--quiet,-q", options.quiet, "print errors only");
   app.set_version_flag("--version", std::string("kintsugi-collect ") + kt::kProgramVersion);
 

@@ -112,6 +112,9 @@ std::string mission_report_text(const MissionSummary& summary) {
       static_cast<long long>(s.frames), 100 * tracked_share(s), static_cast<long long>(s.frames_uncertain),
       static_cast<long long>(s.frames_lost), static_cast<long long>(s.frames_skipped));
   for (const std::string& reason : summary.skip_reasons) text += "  skipped: " + reason + "\n";
+  if (summary.camera_losses > 0)
+    text += format("camera    gone %lld times for a while\n", static_cast<long long>(summary.camera_losses));
+  for (const std::string& reason : summary.camera_loss_reasons) text += "  gone: " + reason + "\n";
   if (summary.motion_samples + summary.motion_samples_refused > 0) {
     text += format("motion    %lld samples of other sensors, %lld refused\n",
                    static_cast<long long>(summary.motion_samples),
@@ -182,6 +185,10 @@ void write_mission_report(const MissionSummary& summary, const std::filesystem::
       {"timed_out", summary.timed_out},
   };
   if (summary.publishing) report["publishing"] = to_json(*summary.publishing);
+  if (summary.camera_losses > 0) {
+    report["camera_losses"] = summary.camera_losses;
+    report["camera_loss_reasons"] = summary.camera_loss_reasons;
+  }
   if (summary.motion_samples + summary.motion_samples_refused > 0) {
     report["motion_samples"] = summary.motion_samples;
     report["motion_samples_refused"] = summary.motion_samples_refused;

@@ -59,6 +59,10 @@ SourceItem CheckedSource::next() {
       case SourceItem::Kind::kMotion:
         keep_sample(item.motion);
         break;
+      case SourceItem::Kind::kInterrupted:
+        release_last();
+        ready_.push_back(std::move(item));
+        break;
       case SourceItem::Kind::kEnd:
         release_last();
         if (ready_.empty()) return item;

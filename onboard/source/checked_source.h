@@ -20,6 +20,8 @@ namespace kt {
 /// frame, not all that follow; a real pause costs none but where the recording ends with it. What is skipped
 /// meanwhile is told before the waiting frame.
 ///
+/// Where the camera is gone, what waits is decided on as at the end, and told before the word of it.
+///
 /// Motion samples keep their place among the frames, so they wait for the next frame that passes. Skipped are
 /// those with values that no message can hold, that measure no motion, of another kind than the first that
 /// passed, with a stamp not after that of the sample before, or more than 10 s after the frame that they wait

@@ -15,12 +15,14 @@
 namespace kt {
 
 /// What a source hands out: a frame, what another sensor measured, the word that one of them could not be
-/// used, that a live source has nothing yet, or the end.
+/// used, that a live source has nothing yet, that the camera is gone, or
+/// the end. kInterrupted comes again, about once a second, until the camera
+/// is back: what it sees then need not be what it saw before.
 struct SourceItem {
-  enum class Kind { kFrame, kSkipped, kMotion, kSkippedMotion, kNothingYet, kEnd };
+  enum class Kind { kFrame, kSkipped, kMotion, kSkippedMotion, kNothingYet, kInterrupted, kEnd };
   Kind kind = Kind::kEnd;
   RgbdFrame frame{};      ///< of kFrame
-  std::string reason{};   ///< of kSkipped and kSkippedMotion
+  std::string reason{};   ///< of kSkipped, kSkippedMotion and kInterrupted
   MotionSample motion{};  ///< of kMotion
 };
 
@@ -40,9 +42,9 @@ class FrameSource {
   virtual const Calibration& calibration() const = 0;
 };
 
-/// Opens `tum:DIR`, `icl:DIR`, `7scenes:DIR`, `synthetic:NAME`, `lcm-log:FILE` or, live, `lcm:[URL]`;
-/// `calibration`, where given, takes the place of the source's own. Frames come checked (checked_source.h).
-/// Throws kt::Error where the scheme is unknown, the source cannot be read or the calibration makes no sense.
+/// Opens what source_specs() lists; `calibration`, where given, takes the place of the source's own. Frames
+/// come checked (checked_source.h). Throws kt::Error where the scheme is unknown, the source cannot be read
+/// or the calibration makes no sense.
 std::unique_ptr<FrameSource> open_source(const std::string& spec,
                                          const std::optional<Calibration>& calibration = std::nullopt);
 

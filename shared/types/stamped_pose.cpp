@@ -20,8 +20,9 @@ const char* to_string(PoseSource source) {
 }
 
 const char* to_string(TrackingCause cause) {
-  constexpr std::array<const char*, kTrackingCauses> kNames = {
-      "none", "no depth", "low overlap", "few inliers", "large step", "unconstrained", "unconfirmed"};
+  constexpr std::array<const char*, kTrackingCauses> kNames = {"none",        "no depth",   "low overlap",
+                                                               "few inliers", "large step", "unconstrained",
+                                                               "unconfirmed", "no frames"};
   return name_of(kNames, static_cast<size_t>(cause));
 }
 

@@ -68,6 +68,7 @@ std::string source_to_log(const std::string& from, const std::filesystem::path& 
       if (skipped++ == 0) first_reason = item.reason;
       continue;
     }
+    if (item.kind == SourceItem::Kind::kInterrupted) continue;
     if (item.kind == SourceItem::Kind::kSkippedMotion) {
       if (refused++ == 0) first_refusal = item.reason;
       continue;

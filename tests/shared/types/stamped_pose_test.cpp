@@ -25,6 +25,7 @@ TEST(TrackingCause, HasAName) {
   EXPECT_STREQ(to_string(TrackingCause::kNone), "none");
   EXPECT_STREQ(to_string(TrackingCause::kFewInliers), "few inliers");
   EXPECT_STREQ(to_string(TrackingCause::kUnconfirmed), "unconfirmed");
+  EXPECT_STREQ(to_string(TrackingCause::kNoFrames), "no frames");
   EXPECT_STREQ(to_string(static_cast<TrackingCause>(kTrackingCauses)), "unknown");
 }
 
