@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <thread>
 
 #include "onboard/source/camera_spec.h"
 #include "onboard/source/cameras.h"
@@ -23,10 +24,8 @@ constexpr int kUsualRate_hz = 30;
 // What the library said last, on one line.
 std::string library_error() {
   std::string text = openni::OpenNI::getExtendedError();
-  for (char& c : text) c = c == '\n' || c == '\t' ? ' ' : c;
-  const size_t first = text.find_first_not_of(' ');
-  return first == std::string::npos ? "no reason given"
-                                    : text.substr(first, text.find_last_not_of(' ') - first + 1);
+  std::erase_if(text, [](char c) { return c == '\n' || c == '\t'; });
+  return text.empty() ? "no reason given" : text;
 }
 
 void check(openni::Status status, const std::string& what) {
@@ -35,11 +34,8 @@ void check(openni::Status status, const std::string& what) {
 
 // Once, and for good: threads of drivers outlive their devices, and would lose the code they run in.
 void start_library() {
-  static const bool is_started = [] {
-    check(openni::OpenNI::initialize(), "OpenNI2 cannot start");
-    return true;
-  }();
-  (void)is_started;
+  static const openni::Status status = openni::OpenNI::initialize();
+  check(status, "OpenNI2 cannot start");
 }
 
 std::vector<openni::DeviceInfo> present_devices() {
@@ -155,6 +151,13 @@ class OpenNi2Device final : public CameraDevice {
       info_.colour_interval_us = 1'000'000 / std::max(colour_.getVideoMode().getFps(), 1);
       check(colour_.start(), info_.name + ": the colour stream does not start");
     }
+  }
+
+  ~OpenNi2Device() override {
+    depth_.stop();
+    if (info_.has_colour) colour_.stop();
+    // Threads of a driver may be at an image still, which they give to a stream that must be there.
+    if (!info_.is_recording) std::this_thread::sleep_for(kSlice);
   }
 
   CameraEvent read(milliseconds timeout) override {
