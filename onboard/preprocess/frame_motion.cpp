@@ -22,6 +22,7 @@ FrameMotion::FrameMotion(const FrameMaps& maps, const Vector6d& velocity)
     : velocity_(velocity), readout_s_(maps.readout_s) {
   const double delay_s = static_cast<double>(maps.colour_timestamp_us - maps.timestamp_us) * 1e-6;
   if (std::abs(delay_s) <= kLargestDelay_s) T_depth_colour_time_ = exp_se3(velocity * delay_s);
+  is_still_ = velocity.isZero(0) || (readout_s_ == 0 && delay_s == 0);
 }
 
 RowMotion FrameMotion::depth_rows(const PinholeParams& camera) const {

@@ -23,7 +23,9 @@ class FrameMotion {
   const Pose& T_depth_colour_time() const { return T_depth_colour_time_; }
 
   const Vector6d& velocity() const { return velocity_; }
-  bool is_still() const { return velocity_.isZero(0); }
+  /// Whether all pixels of both images saw the same place, for the camera stood still or they were taken at
+  /// once.
+  bool is_still() const { return is_still_; }
   /// Of an image of the depth camera at any resolution.
   RowMotion depth_rows(const PinholeParams& camera) const;
   /// Of an image of the colour camera.
@@ -33,6 +35,7 @@ class FrameMotion {
   Pose T_depth_colour_time_ = Pose::Identity();
   Vector6d velocity_ = Vector6d::Zero();
   double readout_s_ = 0;
+  bool is_still_ = true;
 };
 
 /// Of an image of `camera`, which moves with `velocity` in its own frame, [rad/s; m/s].
