@@ -91,9 +91,6 @@ class MapTest(ProgramTest):
         self.assertEqual(self.taken(out), ["load", "loops", "optimise"])
         self.assertEqual(self.files(out), self.files(whole))
         self.assertEqual(self.report(out)["digest"], self.report(whole)["digest"])
-        residuals = self.report(out)["optimisation"]["residuals"]["accepted_loops"]
-        self.assertGreater(residuals["edges"], 0)
-        self.assertLess(residuals["chi2_after"], residuals["chi2_before"])
 
         self.map_with("killed", *arguments, "--format", "glb", "--simplify", "0.5")
         self.assertEqual(self.taken(out), ["load", "loops", "optimise", "fuse"])
