@@ -1,4 +1,4 @@
-// The surface of a group: bent from what the collector left, or fused anew.
+// The surface of a group in tiles: bent from what the collector left, or fused anew.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -7,19 +7,29 @@
 #include <memory>
 #include <span>
 
+#include "offboard/map/tile_grid.h"
 #include "offboard/placement/groups.h"
 #include "offboard/reintegration/reintegrator.h"
+#include "offboard/session/join_sessions.h"
 #include "onboard/source/frame_source.h"
-#include "shared/io/mesh.h"
 
 namespace kt {
 
-/// The group's slices bent to where its poses are, places seen twice in one sheet; moves their vertices
-/// there. A single segment none of whose poses has changed is welded as it is. The inliers of `closures`,
-/// those believed, count as surface constraints; none: poses alone bend it.
+struct SliceSurfaceConfig {
+  /// Their inlier points bend the slices beside the poses; none: the poses alone do.
+  std::span<const LoopClosure> closures{};
+  TileGrid grid{};  ///< how much is held at a time; the surface does not depend on it
+  int threads = 0;  ///< 0 = one per core; nor on these
+};
+
+/// The group's slices bent to where its poses are, places seen twice in one sheet, read from `logs`. A single
+/// segment none of whose poses has changed is welded as it is. `tiles`: the file (TileFile) that is written;
+/// others stand beside it meanwhile. Throws kt::Error where a log cannot be read or a file not be written.
 ///
 /// `is_in_place` becomes false where the bend of a segment was refused, for it would have torn the surface.
-Mesh surface_of_slices(Group& group, std::span<const LoopClosure> closures, int threads, bool* is_in_place);
+void surface_of_slices(const Group& group, std::span<const MissionLog> logs, const SliceSurfaceConfig& config,
+                       const std::filesystem::path& tiles, const std::function<void(double)>& progress,
+                       bool* is_in_place);
 
 /// Where the frames of a mission come from, and which sequences the session gave them.
 struct MissionFrames {
@@ -28,11 +38,11 @@ struct MissionFrames {
 };
 
 /// What all good frames of the group see, fused anew at the group's poses; the sources may give other frames
-/// too. `session`: for the calibration, and the keyframes. `scratch`: a file for voxels, removed in the end.
-/// Throws kt::Error where the frames are those of another mission: none has the stamp of a good pose, or
-/// keyframes show something else.
-Mesh surface_of_frames(const Group& group, std::span<const MissionFrames> missions, const Session& session,
+/// too. `session`: for the calibration, and the keyframes. `tiles`: the file (TileFile) that is written; one
+/// for voxels stands beside it meanwhile. Throws kt::Error where the frames are those of another mission:
+/// none has the stamp of a good pose, or keyframes show something else.
+void surface_of_frames(const Group& group, std::span<const MissionFrames> missions, const Session& session,
                        const exec::Device& device, const ReintegrationConfig& config,
-                       const std::filesystem::path& scratch, const std::function<void(double)>& progress);
+                       const std::filesystem::path& tiles, const std::function<void(double)>& progress);
 
 }  // namespace kt

@@ -21,7 +21,7 @@ struct ReintegrationConfig {
 
 /// The collector's integrator in a volume that follows the camera; bricks that leave it wait in a file until
 /// the camera comes back, with all that was known of their surface. Memory does not grow with the map but for
-/// a list of its bricks.
+/// a list of its blocks of bricks, some 300 bytes each.
 class Reintegrator {
  public:
   /// `scratch`: the file, some 6 kB for each cube of 8 voxels with surface; removed in the end. Throws
@@ -29,14 +29,19 @@ class Reintegrator {
   Reintegrator(const exec::Device& device, const Calibration& calibration, const ReintegrationConfig& config,
                const std::filesystem::path& scratch);
 
-  /// Fuses a frame seen from T_world_camera.
-  void fuse(const RgbdFrame& frame, const Pose& T_world_camera);
+  /// Fuses a frame seen from T_world_camera by a camera that moves with `velocity`, in its own frame [rad/s;
+  /// m/s].
+  void fuse(const RgbdFrame& frame, const Pose& T_world_camera, const Vector6d& velocity = Vector6d::Zero());
 
   /// Whether the frame that was fused last shows the depth that a keyframe has kept of it (Keyframe::depth).
   bool shows(const Image<uint16_t>& keyframe_depth) const;
 
+  /// The side of a tile in voxels: each is a cube of the grid, at multiples of it.
+  int tile_side() const;
+
   /// Hands over the surface, tile by tile, ascending by z, y and x: slices in the world frame that weld
-  /// without gap, each cell in one of them; is told the share done. Call once, after the last frame.
+  /// without gap, each cell in the one of its tile, each at most once; is told the share done. Call once,
+  /// after the last frame.
   void extract(const std::function<void(CloudSlice)>& take, const std::function<void(double)>& progress);
 
  private:

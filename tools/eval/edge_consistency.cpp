@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/eval/edge_consistency.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <string>
@@ -14,13 +15,18 @@
 namespace kt {
 namespace {
 
-/// The true poses, by sequence; none where the truth has no pose near the stamp.
+/// The true poses, by sequence; none where the truth has no pose near the stamp, or ends before it.
 std::map<int64_t, std::optional<Pose>> truth_of(const Trajectory& poses, const Trajectory& groundtruth) {
+  const auto [first, last] =
+      std::ranges::minmax(groundtruth, {}, [](const StampedPose& pose) { return pose.timestamp_us; });
   std::vector<int64_t> stamps_us;
   for (const StampedPose& pose : poses) stamps_us.push_back(pose.timestamp_us);
   const std::vector<std::optional<Pose>> truth = poses_at(groundtruth, stamps_us);
   std::map<int64_t, std::optional<Pose>> result;
-  for (size_t k = 0; k < poses.size(); ++k) result.emplace(poses[k].sequence, truth[k]);
+  for (size_t k = 0; k < poses.size(); ++k) {
+    const bool is_known = stamps_us[k] >= first.timestamp_us && stamps_us[k] <= last.timestamp_us;
+    result.emplace(poses[k].sequence, is_known ? truth[k] : std::nullopt);
+  }
   return result;
 }
 

@@ -72,7 +72,7 @@ struct Mapped {
 Mapped mapped(const std::filesystem::path& log, const std::filesystem::path& output, LoopSource loops,
               bool surface_constraints = false) {
   MapOptions options{.logs = {log}, .output = output, .surface_constraints = surface_constraints};
-  options.placement.loops = loops;
+  options.loops.source = loops;
   options.islands = {0, 0};
   Mapped result{make_map(options), {}, read_ply(output / "map.ply")};
   std::ifstream file(output / "report.json");

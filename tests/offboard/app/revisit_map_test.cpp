@@ -90,7 +90,7 @@ void record(const std::filesystem::path& log, const std::vector<Pose>& truth) {
 
 double double_share(const std::filesystem::path& log, const std::filesystem::path& output, LoopSource loops) {
   MapOptions options{.logs = {log}, .output = output};
-  options.placement.loops = loops;
+  options.loops.source = loops;
   make_map(options);
   return count_double_layers(read_ply(output / "map.ply")).share();
 }
