@@ -16,6 +16,8 @@
 namespace kt {
 
 struct SliceSurfaceConfig {
+  /// Their inlier points bend the slices beside the poses; none: the poses alone do.
+  std::span<const LoopClosure> closures{};
   TileGrid grid{};  ///< how much is held at a time; the surface does not depend on it
   int threads = 0;  ///< 0 = one per core; nor on these
 };

@@ -44,6 +44,8 @@ int main(int argc, char** argv) {
          "poses are; auto: frames where the log or --frames has them")
       ->transform(CLI::CheckedTransformer(surfaces).description("{auto,slices,frames}"))
       ->default_str("auto");
+  app.add_flag("--surface-constraints", options.surface_constraints,
+               "slices are bent by the points of loop closures too, not by the poses alone");
   app.add_option(
       "--frames", options.frames,
       "the recordings that the logs were made from, in their order: " + kt::joined(kt::source_specs()));

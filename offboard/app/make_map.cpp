@@ -102,12 +102,14 @@ class MapRun {
   void make_surface() {
     groups_ = take_groups(joined_.session, placed_);
     const bool fuses = source_ == SurfaceSource::kFrames;
-    key_ = fuses ? fuse_key(key_, options_.frames, fusion_) : deform_key(key_);
+    key_ = fuses ? fuse_key(key_, options_.frames, fusion_) : deform_key(key_, options_.surface_constraints);
     surface_stage_ = fuses ? "fuse" : "deform";
-    surfaces_ = stages_.run(surface_stage_, key_, [this](const TellShare& tell) {
+    std::vector<LoopClosure> closures;  // whose points bend the surface
+    if (options_.surface_constraints && placed_.is_optimised()) closures = placed_.believed_closures();
+    surfaces_ = stages_.run(surface_stage_, key_, [&](const TellShare& tell) {
       store_.open();
       const auto tiles = [this](const Group& group) { return store_.part(surface_stage_, group.number()); };
-      return make_surfaces(source_, fusion_, groups_, joined_, options_, tiles, tell);
+      return make_surfaces(source_, fusion_, groups_, joined_, closures, options_, tiles, tell);
     });
   }
 

@@ -29,9 +29,10 @@ enum class MapStage { kLoad, kLoops, kOptimise, kSurface, kMesh };
 struct MapOptions {
   std::vector<std::filesystem::path> logs;  ///< one, or several of one camera, to be joined
   std::filesystem::path output;  ///< folder, made where it is missing; files of earlier runs are replaced
-  LoopConfig loops{};
+  LoopOptions loops{};
   PoseGraphOptions graph{};
   SurfaceChoice surface = SurfaceChoice::kAuto;
+  bool surface_constraints = false;  ///< bent slices heed the inlier points of loop closures too
   /// Where the frames come from, as open_source takes it, in the order of the logs; empty: the logs
   /// themselves.
   std::vector<std::string> frames{};

@@ -33,7 +33,8 @@ struct SegmentSlices {
 };
 
 // The graphs of all segments; false where nothing moves.
-bool solve_graphs(const Group& group, std::vector<SegmentSlices>& segments, bool* is_in_place) {
+bool solve_graphs(const Group& group, std::span<const LoopClosure> closures,
+                  std::vector<SegmentSlices>& segments, bool* is_in_place) {
   bool has_moved = group.segments.size() > 1;
   for (size_t s = 0; s < group.segments.size(); ++s) {
     const Segment& segment = group.segments[s];
@@ -41,8 +42,12 @@ bool solve_graphs(const Group& group, std::vector<SegmentSlices>& segments, bool
     graph = build_deformation_graph(segment.trajectory, group.T_world_camera[s]);
     has_moved |= !graph.is_identity();
     if (!has_moved || segment.slices.empty()) continue;
-    *is_in_place &=
-        solve(graph, camera_constraints(segment.trajectory, group.T_world_camera[s], graph.config)).accepted;
+    std::vector<PointConstraint> constraints =
+        camera_constraints(segment.trajectory, group.T_world_camera[s], graph.config);
+    for (const PointConstraint& one :
+         surface_constraints(segment.trajectory, group.T_world_camera[s], closures))
+      constraints.push_back(one);
+    *is_in_place &= solve(graph, constraints).accepted;
   }
   return has_moved;
 }
@@ -105,7 +110,7 @@ void surface_of_slices(const Group& group, std::span<const MissionLog> logs, con
                        bool* is_in_place) {
   constexpr double kReading = 0.2, kWelding = 0.7;  // of the work
   std::vector<SegmentSlices> segments(group.segments.size());
-  const bool has_moved = solve_graphs(group, segments, is_in_place);
+  const bool has_moved = solve_graphs(group, config.closures, segments, is_in_place);
   double voxel_size_m = 0;
   for (const Segment& segment : group.segments) {
     if (!segment.slices.empty()) voxel_size_m = segment.slices.front().voxel_size_m;

@@ -78,15 +78,15 @@ void fields(Archive& archive, LoopSearchConfig& value) {
 }
 
 template <typename Archive>
-void fields(Archive& archive, LoopConfig& value) {
+void fields(Archive& archive, LoopOptions& value) {
   auto& [source, search] = value;
   archive(source, search);
 }
 
 template <typename Archive>
 void fields(Archive& archive, LeastSquaresOptions& value) {
-  auto& [residual, max_iterations, relative_tolerance] = value;
-  archive(residual, max_iterations, relative_tolerance);
+  auto& [residual, linear_solver, max_iterations, relative_tolerance] = value;
+  archive(residual, linear_solver, max_iterations, relative_tolerance);
 }
 
 template <typename Archive>

@@ -38,13 +38,15 @@ Digest load_key(const MapOptions& options) {
   return key_of(kStageFormat, std::string(kProgramVersion), logs);
 }
 
-Digest loops_key(const Digest& load, const LoopConfig& config) { return key_of(load.value(), config); }
+Digest loops_key(const Digest& load, const LoopOptions& config) { return key_of(load.value(), config); }
 
 Digest optimise_key(const Digest& loops, const PoseGraphOptions& options) {
   return key_of(loops.value(), options);
 }
 
-Digest deform_key(const Digest& optimise) { return key_of(optimise.value()); }
+Digest deform_key(const Digest& optimise, bool surface_constraints) {
+  return key_of(optimise.value(), surface_constraints);
+}
 
 Digest fuse_key(const Digest& optimise, const std::vector<std::string>& frames,
                 const ReintegrationConfig& config) {

@@ -11,9 +11,9 @@ namespace kt {
 /// Every key holds the one of the stage before. Threads and devices are in none: they change no result.
 /// This one: program, format of the stage files, and which files the logs are (identity_of).
 Digest load_key(const MapOptions& options);
-Digest loops_key(const Digest& load, const LoopConfig& config);
+Digest loops_key(const Digest& load, const LoopOptions& config);
 Digest optimise_key(const Digest& loops, const PoseGraphOptions& options);
-Digest deform_key(const Digest& optimise);
+Digest deform_key(const Digest& optimise, bool surface_constraints);
 /// `frames` as in MapOptions: of recordings in files the identity of these counts.
 Digest fuse_key(const Digest& optimise, const std::vector<std::string>& frames,
                 const ReintegrationConfig& config);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "offboard/app/group_surface.h"
+#include "offboard/app/logged_config.h"
 #include "shared/core/check.h"
 
 namespace kt {
@@ -50,18 +51,15 @@ SurfaceSource surface_source(const MapOptions& options, const Session& session,
 }
 
 ReintegrationConfig fusion_of(const MapOptions& options, const Session& session) {
-  ReintegrationConfig config;
-  if (options.voxel_size_m > 0) {
-    config.volume.voxel_size_m = options.voxel_size_m;
-  } else if (!session.slices.empty()) {
-    config.volume.voxel_size_m = session.slices.front().voxel_size_m;
-  }
-  return config;
+  double voxel_size_m = options.voxel_size_m;
+  if (voxel_size_m <= 0)
+    voxel_size_m = session.slices.empty() ? VolumeConfig{}.voxel_size_m : session.slices.front().voxel_size_m;
+  return reintegration_config(session.header, voxel_size_m);
 }
 
 std::vector<GroupSurface> make_surfaces(SurfaceSource source, const ReintegrationConfig& fusion,
                                         std::span<const Group> groups, const JoinedSession& joined,
-                                        const MapOptions& options,
+                                        std::span<const LoopClosure> closures, const MapOptions& options,
                                         const std::function<std::filesystem::path(const Group&)>& tiles,
                                         const TellShare& tell) {
   std::vector<MissionLog> logs;
@@ -72,7 +70,7 @@ std::vector<GroupSurface> make_surfaces(SurfaceSource source, const Reintegratio
     const auto tell_of_group = [&](double share) { tell((done + share) / all); };
     GroupSurface& surface = surfaces.emplace_back();
     if (source == SurfaceSource::kSlices || group.good_frames() == 0) {
-      surface_of_slices(group, logs, {{}, options.threads}, tiles(group), tell_of_group,
+      surface_of_slices(group, logs, {closures, {}, options.threads}, tiles(group), tell_of_group,
                         &surface.is_in_place);
     } else {
       surface.source = SurfaceSource::kFrames;

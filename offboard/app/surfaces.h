@@ -27,14 +27,14 @@ struct GroupSurface {
 SurfaceSource surface_source(const MapOptions& options, const Session& session,
                              std::span<const LogIndex> indices);
 
-/// What frames are fused with: options.voxel_size_m, else the collector's.
+/// What frames are fused with: the collector's limits, and options.voxel_size_m or else its voxels.
 ReintegrationConfig fusion_of(const MapOptions& options, const Session& session);
 
 /// By group; a group without good frames has its slices either way. `joined`: without the poses and slices
-/// that `groups` have taken. `tiles(group)`: the TileFile to write.
+/// that `groups` have taken. `closures`: whose points bend slices too. `tiles(group)`: the TileFile to write.
 std::vector<GroupSurface> make_surfaces(SurfaceSource source, const ReintegrationConfig& fusion,
                                         std::span<const Group> groups, const JoinedSession& joined,
-                                        const MapOptions& options,
+                                        std::span<const LoopClosure> closures, const MapOptions& options,
                                         const std::function<std::filesystem::path(const Group&)>& tiles,
                                         const TellShare& tell);
 

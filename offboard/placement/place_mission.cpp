@@ -55,7 +55,15 @@ class Searched {
 
 }  // namespace
 
-std::vector<LoopClosure> find_loops(const Session& session, const LoopConfig& config, int threads,
+std::vector<LoopClosure> PlacedMission::believed_closures() const {
+  std::vector<LoopClosure> believed;
+  for (size_t k = 0; k < measured.loops.size(); ++k) {
+    if (solution.edges[measured.loop_edges[k]].weight > 0) believed.push_back(candidates[measured.loops[k]]);
+  }
+  return believed;
+}
+
+std::vector<LoopClosure> find_loops(const Session& session, const LoopOptions& config, int threads,
                                     const std::function<void(double)>& progress) {
   if (config.source == LoopSource::kLog) return session.loop_closures;
   // A log that has lost its session event has lost its camera too.

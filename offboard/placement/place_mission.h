@@ -19,7 +19,7 @@ enum class LoopSource {
   kNone,
 };
 
-struct LoopConfig {
+struct LoopOptions {
   LoopSource source = LoopSource::kSearch;
   LoopSearchConfig search{};
 };
@@ -31,12 +31,14 @@ struct PlacedMission {
   MissionGraph measured;                ///< poses as logged, and the accepted candidates as edges
   OptimisedGraph solution;              ///< of `measured`; empty where no loop was accepted
   bool is_optimised() const { return !solution.T_world_node.empty(); }
+  /// The closures that the optimiser kept.
+  std::vector<LoopClosure> believed_closures() const;
 };
 
 /// All candidates for loop closures that were compared, with the verdict of the proof. A search looks twice:
 /// better poses, for which it optimises the graph with the usual options, show what else is near. The result
 /// does not depend on the number of threads.
-std::vector<LoopClosure> find_loops(const Session& session, const LoopConfig& config, int threads,
+std::vector<LoopClosure> find_loops(const Session& session, const LoopOptions& config, int threads,
                                     const std::function<void(double share)>& progress);
 
 /// `measured` optimised; an empty solution where no loop was accepted.

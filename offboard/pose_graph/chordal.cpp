@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/pose_graph/chordal.h"
 
+#include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 
@@ -33,19 +34,29 @@ class BlockLeastSquares {
       if (b > a) add_block(b, a, -w * B.transpose());
       if (a > b) add_block(a, b, -w * B);
     }
-    if (a >= 0) right_.middleRows<kBlock>(kBlock * a) -= w * B * c;
+    if (a >= 0) right_.middleRows<kBlock>(kBlock * a).noalias() -= w * B * c;
     if (b >= 0) right_.middleRows<kBlock>(kBlock * b) += w * c;
-    if (a >= 0 && b < 0) right_.middleRows<kBlock>(kBlock * a) += w * B * known[j];
-    if (b >= 0 && a < 0) right_.middleRows<kBlock>(kBlock * b) += w * B.transpose() * known[i];
+    if (a >= 0 && b < 0) right_.middleRows<kBlock>(kBlock * a).noalias() += w * B * known[j];
+    if (b >= 0 && a < 0) right_.middleRows<kBlock>(kBlock * b).noalias() += w * B.transpose() * known[i];
   }
 
-  void solve(std::vector<Values>& values) const {
+  void solve(LinearSolver solver, std::vector<Values>& values) const {
     if (unknowns_ == 0) return;
     Sparse normal(kBlock * unknowns_, kBlock * unknowns_);
     normal.setFromTriplets(triplets_.begin(), triplets_.end());
-    const Eigen::SimplicialLDLT<Sparse, Eigen::Lower> ldlt(normal);
-    KT_CHECK(ldlt.info() == Eigen::Success);  // every component has an anchor and weights above 0
-    const Eigen::MatrixXd solution = ldlt.solve(right_);
+    Eigen::MatrixXd solution;
+    if (solver == LinearSolver::kCholesky) {
+      const Eigen::SimplicialLDLT<Sparse, Eigen::Lower> ldlt(normal);
+      KT_CHECK(ldlt.info() == Eigen::Success);  // every component has an anchor and weights above 0
+      solution = ldlt.solve(right_);
+    } else {
+      // In the given order the factor of odometry alone, a chain, is complete.
+      using Chain = Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+      Eigen::ConjugateGradient<Sparse, Eigen::Lower, Chain> gradients(normal);
+      gradients.setTolerance(1e-4);
+      solution = gradients.solve(right_);
+      KT_CHECK(solution.allFinite());
+    }
     for (size_t node = 0; node < column_.size(); ++node) {
       if (column_[node] >= 0) values[node] = solution.middleRows<kBlock>(kBlock * column_[node]);
     }
@@ -91,7 +102,8 @@ double chordal_objective(const PoseGraph& graph, std::span<const Pose> T_world_n
   return chordal_objective(indexed(graph), T_world_node);
 }
 
-std::vector<Pose> chordal_initialisation(const IndexedGraph& graph, std::span<const double> weight) {
+std::vector<Pose> chordal_initialisation(const IndexedGraph& graph, std::span<const double> weight,
+                                         LinearSolver solver) {
   const Components components = connected_components(graph, weight);
   std::vector<Pose> T_world_node = graph.T_world_node;
   std::vector<int> column(T_world_node.size(), 0);
@@ -115,7 +127,7 @@ std::vector<Pose> chordal_initialisation(const IndexedGraph& graph, std::span<co
     rotations.add(edge.from, edge.to, edge.T_from_to.linear(), Eigen::Matrix3d::Zero(), factor * kappa,
                   R_transposed);
   }
-  rotations.solve(R_transposed);
+  rotations.solve(solver, R_transposed);
 
   BlockLeastSquares<1> translations(column, unknowns);
   std::vector<Eigen::RowVector3d> t_transposed;
@@ -130,7 +142,7 @@ std::vector<Pose> chordal_initialisation(const IndexedGraph& graph, std::span<co
     const Eigen::Vector3d step_world = T_world_node[edge.from].linear() * edge.T_from_to.translation();
     translations.add(edge.from, edge.to, one, step_world.transpose(), weights[e].tau, t_transposed);
   }
-  translations.solve(t_transposed);
+  translations.solve(solver, t_transposed);
   for (size_t node = 0; node < T_world_node.size(); ++node) {
     if (column[node] >= 0) T_world_node[node].translation() = t_transposed[node].transpose();
   }
@@ -138,7 +150,7 @@ std::vector<Pose> chordal_initialisation(const IndexedGraph& graph, std::span<co
 }
 
 std::vector<Pose> chordal_initialisation(const PoseGraph& graph) {
-  return chordal_initialisation(indexed(graph), {});
+  return chordal_initialisation(indexed(graph), {}, LinearSolver::kCholesky);
 }
 
 }  // namespace kt

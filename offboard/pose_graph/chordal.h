@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "offboard/pose_graph/indexed_graph.h"
+#include "offboard/pose_graph/least_squares.h"
 
 namespace kt {
 
@@ -21,6 +22,8 @@ double chordal_objective(const IndexedGraph& graph, std::span<const Pose> T_worl
 /// first. Throws kt::Error as indexed() does.
 std::vector<Pose> chordal_initialisation(const PoseGraph& graph);
 /// `weight`, one per edge, multiplies kappa and tau; empty: 1. Edges of weight 0 hold nothing together.
-std::vector<Pose> chordal_initialisation(const IndexedGraph& graph, std::span<const double> weight);
+/// Conjugate gradients leave a ten-thousandth of the right-hand side.
+std::vector<Pose> chordal_initialisation(const IndexedGraph& graph, std::span<const double> weight,
+                                         LinearSolver solver = LinearSolver::kCholesky);
 
 }  // namespace kt

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/pose_graph/least_squares.h"
 
+#include <algorithm>
 #include <array>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 #include <memory>
 
 #include "offboard/pose_graph/edge_costs.h"
+#include "offboard/pose_graph/fill.h"
 #include "shared/core/check.h"
 
 namespace kt {
@@ -30,7 +32,43 @@ ceres::Solver::Options ceres_options(const LeastSquaresOptions& options) {
   result.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   result.num_threads = 1;
   result.logging_type = ceres::SILENT;
+  if (options.linear_solver == LinearSolver::kConjugateGradients) {
+    result.linear_solver_type = ceres::CGNR;
+    result.preconditioner_type = ceres::SUBSET;
+  }
   return result;
+}
+
+/// Whether each edge belongs to the preconditioner. The loops that err least are true ones mostly, which tie
+/// places to their surroundings and fill the factor little.
+std::vector<char> preconditioning_edges(const IndexedGraph& graph, std::span<const double> weight,
+                                        const std::vector<double>& squares) {
+  const auto weight_of = [&](size_t e) { return weight.empty() ? 1 : weight[e]; };
+  std::vector<double> sorted;
+  for (size_t e = 0; e < squares.size(); ++e) {
+    if (graph.edges[e].is_loop && weight_of(e) > 0) sorted.push_back(squares[e]);
+  }
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<char> is_chosen(squares.size());
+  const auto choose = [&](size_t loops) {
+    for (size_t e = 0; e < squares.size(); ++e) {
+      is_chosen[e] = !graph.edges[e].is_loop || loops == sorted.size() || squares[e] < sorted[loops];
+    }
+  };
+  const auto is_cheap = [&](size_t loops) {
+    choose(loops);
+    std::vector<double> chosen_weight;
+    for (size_t e = 0; e < squares.size(); ++e) chosen_weight.push_back(is_chosen[e] ? weight_of(e) : 0);
+    return factorisation_cost(graph, chosen_weight) < kDearFactorisation;
+  };
+  size_t cheap = 0, dear = sorted.size();
+  const size_t near_enough = 1 + sorted.size() / 50;
+  while (dear - cheap > near_enough) {
+    const size_t middle = (cheap + dear) / 2;
+    (is_cheap(middle) ? cheap : dear) = middle;
+  }
+  choose(cheap);
+  return is_chosen;
 }
 
 }  // namespace
@@ -51,15 +89,23 @@ LeastSquaresResult solve(const IndexedGraph& graph, std::span<const double> weig
   ceres::Problem problem(ownership);
   for (auto& pose : parameters) problem.AddParameterBlock(pose.data(), kPoseParameters, &manifold);
   for (const int anchor : components.anchor) problem.SetParameterBlockConstant(parameters[anchor].data());
+  ceres::Solver::Options solver = ceres_options(options);
+  std::vector<char> preconditions(graph.edges.size());
+  if (options.linear_solver == LinearSolver::kConjugateGradients) {
+    preconditions =
+        preconditioning_edges(graph, weight, squared_errors(graph, options.residual, T_world_node));
+  }
   for (size_t e = 0; e < graph.edges.size(); ++e) {
     const double factor = weight.empty() ? 1 : weight[e];
     const IndexedEdge& edge = graph.edges[e];
     if (!edge.is_informative() || factor <= 0) continue;
-    problem.AddResidualBlock(make_cost(edge, options.residual, factor).release(), nullptr,
-                             parameters[edge.from].data(), parameters[edge.to].data());
+    const ceres::ResidualBlockId block =
+        problem.AddResidualBlock(make_cost(edge, options.residual, factor).release(), nullptr,
+                                 parameters[edge.from].data(), parameters[edge.to].data());
+    if (preconditions[e]) solver.residual_blocks_for_subset_preconditioner.insert(block);
   }
   ceres::Solver::Summary summary;
-  ceres::Solve(ceres_options(options), &problem, &summary);
+  ceres::Solve(solver, &problem, &summary);
   if (!summary.IsSolutionUsable()) throw Error("pose graph: the optimiser failed: " + summary.message);
   for (size_t node = 0; node < T_world_node.size(); ++node) {
     T_world_node[node] = orthonormalised(pose_of_parameters(parameters[node].data()));

@@ -15,8 +15,17 @@ enum class GraphResidual {
   kChordal,  ///< the terms of chordal_objective(), as the SE-Sync benchmark has it
 };
 
+/// How the linear system of each step is solved.
+enum class LinearSolver {
+  kCholesky,  ///< exactly: the fewest steps, but dear where loops tie everything to everything
+  /// Conjugate gradients, stopped early. Odometry and those loops that err least are the preconditioner, as
+  /// many of them as keep its factorisation below kDearFactorisation.
+  kConjugateGradients,
+};
+
 struct LeastSquaresOptions {
   GraphResidual residual = GraphResidual::kSe3;
+  LinearSolver linear_solver = LinearSolver::kCholesky;
   int max_iterations = 100;
   double relative_tolerance = 1e-9;  ///< stop where a step lowers the objective by less than this share
 };

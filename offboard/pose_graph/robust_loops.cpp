@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "offboard/pose_graph/chordal.h"
+#include "offboard/pose_graph/fill.h"
 #include "offboard/pose_graph/least_squares.h"
 #include "offboard/pose_graph/loop_consistency.h"
 #include "offboard/pose_graph/odometry_forest.h"
@@ -107,17 +108,29 @@ double truncated_weight(double square, double threshold, double mu) {
   return std::sqrt(threshold / square * mu * (mu + 1)) - mu;
 }
 
+LinearSolver fast_solver(const IndexedGraph& graph, const std::vector<double>& weight) {
+  return factorisation_cost(graph, weight) > kDearFactorisation ? LinearSolver::kConjugateGradients
+                                                                : LinearSolver::kCholesky;
+}
+
+/// Moves `T_world_node` towards the optimum for these weights, which the next ones will move again.
+void approach(const IndexedGraph& graph, const std::vector<double>& weight, LoopDecision& decision,
+              std::vector<Pose>& T_world_node) {
+  LeastSquaresOptions options;
+  options.linear_solver = fast_solver(graph, weight);
+  options.max_iterations = options.linear_solver == LinearSolver::kCholesky ? 10 : 3;
+  options.relative_tolerance = 1e-4;
+  solve(graph, weight, options, T_world_node);
+  ++decision.solves;
+}
+
 void graduate(const IndexedGraph& graph, LoopDecision& decision, std::vector<Pose>& T_world_node) {
   constexpr double kMuStep = 1.4;  // as in the paper
   const std::vector<char> is_tried = accepted_loops(graph, decision);
   std::vector<double> weight = decision.weight;
-  LeastSquaresOptions options;
-  options.max_iterations = 10;
-  options.relative_tolerance = 1e-4;
   double mu = 0;
   for (;;) {
-    solve(graph, weight, options, T_world_node);
-    ++decision.solves;
+    approach(graph, weight, decision, T_world_node);
     const std::vector<double> squares = squared_errors(graph, GraphResidual::kSe3, T_world_node);
     double largest = 0;
     for (size_t e = 0; e < squares.size(); ++e) {
@@ -136,12 +149,20 @@ void graduate(const IndexedGraph& graph, LoopDecision& decision, std::vector<Pos
     if (!is_undecided) break;
     mu *= kMuStep;
   }
-  // A true loop with the bad luck of the one in a hundred is where the others want it all the same.
-  solve(graph, weight, options, T_world_node);
-  ++decision.solves;
-  const std::vector<double> squares = squared_errors(graph, GraphResidual::kSe3, T_world_node);
+  // A true loop with the bad luck of the one in a hundred is where the others want it all the same; and those
+  // that come back draw the poses to where more of them are.
+  for (bool has_grown = true; has_grown;) {
+    approach(graph, weight, decision, T_world_node);
+    const std::vector<double> squares = squared_errors(graph, GraphResidual::kSe3, T_world_node);
+    has_grown = false;
+    for (size_t e = 0; e < weight.size(); ++e) {
+      if (!is_tried[e] || weight[e] > 0 || squares[e] >= kGate) continue;
+      weight[e] = 1;
+      has_grown = true;
+    }
+  }
   for (size_t e = 0; e < weight.size(); ++e) {
-    if (!is_tried[e] || weight[e] > 0 || squares[e] < kGate) continue;
+    if (!is_tried[e] || weight[e] > 0) continue;
     decision.weight[e] = 0;
     decision.outcome[e] = LoopOutcome::kInconsistent;
   }
@@ -195,7 +216,8 @@ LoopDecision decide_loops(const IndexedGraph& given) {
     decision.weight[e] = 0;
     decision.outcome[e] = LoopOutcome::kAgainstOdometry;
   }
-  std::vector<Pose> T_world_node = chordal_initialisation(graph, decision.weight);
+  std::vector<Pose> T_world_node =
+      chordal_initialisation(graph, decision.weight, fast_solver(graph, decision.weight));
   share_votes(forest, decision.weight, graph);
   graduate(graph, decision, T_world_node);
   reject_unconfirmed(graph, join(), decision);  // fewer may be left that agree

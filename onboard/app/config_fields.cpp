@@ -187,6 +187,25 @@ void apply_config_yaml(CollectorConfig& config, const std::string& yaml, const s
   }
 }
 
+void take_logged_config(CollectorConfig& config, const std::string& yaml) {
+  YAML::Node root;
+  try {
+    root = YAML::Load(yaml);
+  } catch (const YAML::Exception&) {
+    return;
+  }
+  if (!root.IsMap()) return;
+  for (const ConfigField& field : config_fields(config)) {
+    const auto [section, name] = split_name(field.name);
+    const YAML::Node fields = root[section];
+    if (!fields || !fields.IsMap() || !fields[name]) continue;
+    try {
+      assign(field, fields[name].as<std::string>(""), "log");
+    } catch (const Error&) {
+    }
+  }
+}
+
 void check_config(const CollectorConfig& config) {
   const auto check = [](bool fine, const std::string& problem) {
     if (!fine) throw Error("configuration: " + problem);

@@ -30,6 +30,10 @@ void set_config_field(CollectorConfig& config, const std::string& assignment);
 /// errors.
 void apply_config_yaml(CollectorConfig& config, const std::string& yaml, const std::string& origin);
 
+/// Overwrites the fields that the YAML text of a log's header holds, of whatever version: what is unknown,
+/// out of range or no YAML at all ("unknown", where the header is lost) leaves the field as it is.
+void take_logged_config(CollectorConfig& config, const std::string& yaml);
+
 /// Throws kt::Error where fields that are fine each do not fit together.
 void check_config(const CollectorConfig& config);
 

@@ -45,6 +45,16 @@ class MapTest(ProgramTest):
         ratio = self.report(from_log)["map"]["triangles"] / self.report(slices)["map"]["triangles"]
         self.assertTrue(0.9 < ratio < 1.1, ratio)
 
+    def test_frames_are_fused_with_the_limits_that_their_log_was_collected_with(self):
+        source = f"tum:{WORK / 'small'}"
+        log, _ = self.collect(source, settings=["preprocess.depth_max_m=1.5"])
+        near = self.report(self.map_with("near", log, "--frames", source))["map"]["triangles"]
+        slices = self.report(self.map_with("slices", log))["map"]["triangles"]
+        far_log, _ = self.collect(source, self.folder / "far.lcm")
+        far = self.report(self.map_with("far", far_log, "--frames", source))["map"]["triangles"]
+        self.assertTrue(0.9 < near / slices < 1.1, (near, slices))
+        self.assertLess(near, 0.9 * far)
+
     def test_two_halves_are_joined_by_what_both_saw(self):
         truth = WORK / "turning" / "groundtruth.txt"
         logs = []

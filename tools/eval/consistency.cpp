@@ -38,13 +38,6 @@ void check_same_poses(const Trajectory& estimate, const PoseGraph& graph) {
   }
 }
 
-/// None where a direction has no information.
-std::optional<Matrix6d> covariance_of(const Matrix6d& information) {
-  const Eigen::LLT<Matrix6d> cholesky(information);
-  if (cholesky.info() != Eigen::Success) return std::nullopt;
-  return cholesky.solve(Matrix6d::Identity());
-}
-
 Measurements measurements_of(const PoseGraph& graph) {
   std::map<int64_t, size_t> index_of;
   for (size_t k = 0; k < graph.nodes.size(); ++k) index_of[graph.nodes[k].id] = k;
@@ -84,29 +77,39 @@ double squared_per_dimension(const Eigen::Matrix<double, kSize, 1>& xi,
 
 }  // namespace
 
+void NeesSamples::add(const Vector6d& xi, const Matrix6d& covariance) {
+  pose_.push_back(squared_per_dimension<6>(xi, covariance));
+  rotation_.push_back(squared_per_dimension<3>(xi.head<3>(), covariance.topLeftCorner<3, 3>()));
+  translation_.push_back(squared_per_dimension<3>(xi.tail<3>(), covariance.bottomRightCorner<3, 3>()));
+}
+
+std::optional<Consistency> NeesSamples::summary(int64_t pairs_left_out) const {
+  if (pose_.empty()) return std::nullopt;
+  return Consistency{summarise(pose_), summarise(rotation_), summarise(translation_),
+                     static_cast<int64_t>(pose_.size()), pairs_left_out};
+}
+
+std::optional<Matrix6d> covariance_of(const Matrix6d& information) {
+  const Eigen::LLT<Matrix6d> cholesky(information);
+  if (cholesky.info() != Eigen::Success) return std::nullopt;
+  return cholesky.solve(Matrix6d::Identity());
+}
+
 std::optional<Consistency> consistency(const Trajectory& groundtruth, const Trajectory& estimate,
                                        const PoseGraph& graph, double delta, DeltaUnit unit) {
   check_same_poses(estimate, graph);
   const Measurements measurements = measurements_of(graph);
-  Consistency result;
-  std::vector<double> pose, rotation, translation;
+  NeesSamples samples;
+  int64_t left_out = 0;
   for (const RelativeError& pair : relative_errors(groundtruth, estimate, delta, unit)) {
     const std::optional<Matrix6d> C = covariance_between(estimate, measurements, pair.from, pair.to);
-    if (!C) {
-      ++result.pairs_left_out;
-      continue;
+    if (C) {
+      samples.add(log_se3(pair.E), *C);
+    } else {
+      ++left_out;
     }
-    const Vector6d xi = log_se3(pair.E);
-    pose.push_back(squared_per_dimension<6>(xi, *C));
-    rotation.push_back(squared_per_dimension<3>(xi.head<3>(), C->topLeftCorner<3, 3>()));
-    translation.push_back(squared_per_dimension<3>(xi.tail<3>(), C->bottomRightCorner<3, 3>()));
   }
-  if (pose.empty()) return std::nullopt;
-  result.pairs = static_cast<int64_t>(pose.size());
-  result.pose = summarise(pose);
-  result.rotation = summarise(rotation);
-  result.translation = summarise(translation);
-  return result;
+  return samples.summary(left_out);
 }
 
 }  // namespace kt

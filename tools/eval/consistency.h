@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "shared/io/g2o.h"
 #include "tools/eval/statistics.h"
@@ -18,8 +19,23 @@ struct Consistency {
   Statistics pose;                   ///< divided by 6
   Statistics rotation, translation;  ///< each alone with its marginal covariance, divided by 3
   int64_t pairs = 0;
-  int64_t pairs_left_out = 0;  ///< no chain of edges that all have a covariance leads from one to the other
+  /// No chain of edges that all have a covariance leads from one to the other, or there is no truth.
+  int64_t pairs_left_out = 0;
 };
+
+/// Collects errors with their covariances.
+class NeesSamples {
+ public:
+  void add(const Vector6d& xi, const Matrix6d& covariance);
+  /// Nothing where none was added.
+  std::optional<Consistency> summary(int64_t pairs_left_out) const;
+
+ private:
+  std::vector<double> pose_, rotation_, translation_;
+};
+
+/// The inverse; none where a direction has no information.
+std::optional<Matrix6d> covariance_of(const Matrix6d& information);
 
 /// Over the pairs of relative_errors: xi is log E, and C the covariance of the left perturbation of
 /// T_from_to, [rotation; translation], that the edges of `graph` between the two poses add up to:

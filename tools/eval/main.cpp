@@ -1,4 +1,4 @@
-// kintsugi-eval: errors of a trajectory or of a mapped surface against ground truth.
+// kintsugi-eval: errors of a trajectory, of its measurements or of a mapped surface against ground truth.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <csignal>
 #include <cstdio>
@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "offboard/map/double_layers.h"
 #include "offboard/session/load_session.h"
 #include "shared/cli/program.h"
 #include "shared/io/file.h"
@@ -19,7 +20,7 @@
 namespace kt {
 namespace {
 
-/// What both subcommands share.
+/// What the subcommands share.
 struct Output {
   CLI::Option* json = nullptr;
   std::string json_file, plot_file;
@@ -28,6 +29,8 @@ struct Output {
     json = app.add_option("--json", json_file, "JSON instead of text, to standard output or to FILE")
                ->type_name("[FILE]")
                ->expected(0, 1);
+  }
+  void add_plot_to(CLI::App& app) {
     app.add_option("--plot", plot_file, "draw the errors (needs gnuplot)")->type_name("FILE.png");
   }
   void print(const std::string& text, const nlohmann::ordered_json& report) const {
@@ -65,6 +68,7 @@ struct TrajectoryCommand {
         ->transform(CLI::CheckedTransformer(units))
         ->default_str("s");
     output.add_to(app);
+    output.add_plot_to(app);
   }
   void run() const {
     const Trajectory truth = read_groundtruth(groundtruth), poses = read_trajectory(estimate);
@@ -115,6 +119,7 @@ struct SurfaceCommand {
         ->capture_default_str()
         ->check(CLI::Range(int64_t{1000}, int64_t{100'000'000}));
     output.add_to(app);
+    output.add_plot_to(app);
   }
   Mesh read_truth(const std::string& path) const {
     return mirror_groundtruth ? mirrored_y(read_ply(path)) : read_ply(path);
@@ -132,6 +137,42 @@ struct SurfaceCommand {
   }
 };
 
+struct EdgesCommand {
+  std::string log, groundtruth, graph;
+  Output output;
+
+  void add_to(CLI::App& app) {
+    app.add_option("--log", log, "the mission's log")->required()->type_name("MISSION.lcm");
+    app.add_option("--groundtruth", groundtruth, "the true trajectory, as for 'trajectory'")->required();
+    app.add_option("--graph", graph,
+                   "poses.g2o that kintsugi-map made of the log: judges the closures that it believed, not "
+                   "those that the collector accepted");
+    output.add_to(app);
+  }
+  void run() const {
+    const Trajectory truth = read_groundtruth(groundtruth);
+    const Session session = load_session(log);
+    std::optional<PoseGraph> believed;
+    if (!graph.empty()) believed = read_g2o(graph);
+    const EdgeConsistency edges = edge_consistency(session, truth, believed ? &*believed : nullptr);
+    output.print(edges_text(edges), edges_json(edges));
+  }
+};
+
+struct LayersCommand {
+  std::string map;
+  Output output;
+
+  void add_to(CLI::App& app) {
+    app.add_option("--map", map, "mesh with normals, PLY")->required();
+    output.add_to(app);
+  }
+  void run() const {
+    const DoubleLayers layers = count_double_layers(read_ply(map));
+    output.print(layers_text(layers), layers_json(layers));
+  }
+};
+
 }  // namespace
 }  // namespace kt
 
@@ -143,8 +184,19 @@ int main(int argc, char** argv) {
   kt::SurfaceCommand surface;
   CLI::App* trajectory_app = app.add_subcommand("trajectory", "absolute and relative error of a trajectory");
   CLI::App* surface_app = app.add_subcommand("surface", "accuracy, completeness and F-score of a mesh");
+  kt::EdgesCommand edges;
+  CLI::App* edges_app =
+      app.add_subcommand("edges", "whether the information of closures and odometry is honest, edge by edge");
+  kt::LayersCommand layers;
+  CLI::App* layers_app = app.add_subcommand("layers", "how much of a mesh shows one surface twice");
+  layers.add_to(*layers_app);
   trajectory.add_to(*trajectory_app);
   surface.add_to(*surface_app);
-  return kt::run_program(app, argc, argv,
-                         [&] { trajectory_app->parsed() ? trajectory.run() : surface.run(); });
+  edges.add_to(*edges_app);
+  return kt::run_program(app, argc, argv, [&] {
+    if (trajectory_app->parsed()) trajectory.run();
+    if (surface_app->parsed()) surface.run();
+    if (edges_app->parsed()) edges.run();
+    if (layers_app->parsed()) layers.run();
+  });
 }

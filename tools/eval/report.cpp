@@ -63,6 +63,23 @@ nlohmann::ordered_json typical_and_worst_json(const std::optional<Statistics>& s
   return {{"median_" + unit, s->median}, {"p95_" + unit, s->p95}, {"max_" + unit, s->max}};
 }
 
+nlohmann::ordered_json consistency_json(const std::optional<Consistency>& consistency) {
+  if (!consistency) return nullptr;
+  return {{"pose", nees_json(consistency->pose)},
+          {"rotation", nees_json(consistency->rotation)},
+          {"translation", nees_json(consistency->translation)},
+          {"pairs", consistency->pairs},
+          {"pairs_left_out", consistency->pairs_left_out}};
+}
+
+// Three lines and the count, beginning with `title`.
+std::string nees_text(const char* title, const Consistency& consistency) {
+  return nees_line(title, consistency.pose) + nees_line("  rotation, NEES/3", consistency.rotation) +
+         nees_line("  translation, NEES/3", consistency.translation) +
+         line("%-22s 1 is honest, above it overconfident; %lld pairs, %lld left out\n", "",
+              static_cast<long long>(consistency.pairs), static_cast<long long>(consistency.pairs_left_out));
+}
+
 }  // namespace
 
 nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate,
@@ -77,17 +94,31 @@ nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate,
                    {"rotation", statistics_json(rpe->rotation_deg, "deg")},
                    {"pairs", rpe->pairs}};
   }
-  json["consistency"] = nullptr;
-  if (consistency) {
-    json["consistency"] = {{"pose", nees_json(consistency->pose)},
-                           {"rotation", nees_json(consistency->rotation)},
-                           {"translation", nees_json(consistency->translation)},
-                           {"pairs", consistency->pairs},
-                           {"pairs_left_out", consistency->pairs_left_out}};
-  }
+  json["consistency"] = consistency_json(consistency);
   json["coverage"] = {{"estimate_paired_percent", 100 * ate.estimate_paired_share},
                       {"groundtruth_covered_percent", 100 * ate.groundtruth_covered_share}};
   return json;
+}
+
+nlohmann::ordered_json edges_json(const EdgeConsistency& edges) {
+  return {{"closures", consistency_json(edges.closures)}, {"odometry", consistency_json(edges.odometry)}};
+}
+
+nlohmann::ordered_json layers_json(const DoubleLayers& layers) {
+  return {{"vertices", layers.vertices}, {"doubled", layers.doubled}, {"share", layers.share()}};
+}
+
+std::string layers_text(const DoubleLayers& layers) {
+  return line("%-22s %lld of %lld vertices have a second layer beside them, %.2f %%\n", "layers",
+              static_cast<long long>(layers.doubled), static_cast<long long>(layers.vertices),
+              100 * layers.share());
+}
+
+std::string edges_text(const EdgeConsistency& edges) {
+  const auto text = [](const char* title, const std::optional<Consistency>& consistency) {
+    return consistency ? nees_text(title, *consistency) : line("%-22s –  (none to judge)\n", title);
+  };
+  return text("closures, NEES/6", edges.closures) + text("odometry, NEES/6", edges.odometry);
 }
 
 nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErrorOptions& options) {
@@ -155,12 +186,7 @@ std::string consistency_text(const std::optional<Consistency>& consistency) {
   if (!consistency) {
     return line("%-22s –  (no span of --delta whose edges have information)\n", "consistency");
   }
-  return nees_line("consistency, NEES/6", consistency->pose) +
-         nees_line("  rotation, NEES/3", consistency->rotation) +
-         nees_line("  translation, NEES/3", consistency->translation) +
-         line("%-22s 1 is honest, above it overconfident; %lld pairs, %lld left out\n", "",
-              static_cast<long long>(consistency->pairs),
-              static_cast<long long>(consistency->pairs_left_out));
+  return nees_text("consistency, NEES/6", *consistency);
 }
 
 std::string loops_text(const LoopEvaluation& loops) {

@@ -6,7 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "offboard/map/double_layers.h"
 #include "tools/eval/consistency.h"
+#include "tools/eval/edge_consistency.h"
 #include "tools/eval/loop_evaluation.h"
 #include "tools/eval/surface_error.h"
 #include "tools/eval/trajectory_error.h"
@@ -19,6 +21,8 @@ namespace kt {
 nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate,
                                        const std::optional<RelativePoseError>& rpe,
                                        const std::optional<Consistency>& consistency = {});
+/// {"closures": {"pose": ..., as "consistency" above}, "odometry": likewise}; null where no edge was judged
+nlohmann::ordered_json edges_json(const EdgeConsistency& edges);
 /// {"accuracy": {"mean_m", ..., "share"}, "completeness": share, "completeness_distance": {...}, "f_score",
 /// ...}
 nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErrorOptions& options);
@@ -31,6 +35,11 @@ nlohmann::ordered_json loops_json(const LoopEvaluation& loops);
 
 std::string trajectory_text(const AbsoluteTrajectoryError& ate, const std::optional<RelativePoseError>& rpe);
 std::string consistency_text(const std::optional<Consistency>& consistency);
+/// {"vertices", "doubled", "share"}
+nlohmann::ordered_json layers_json(const DoubleLayers& layers);
+
+std::string layers_text(const DoubleLayers& layers);
+std::string edges_text(const EdgeConsistency& edges);
 std::string loops_text(const LoopEvaluation& loops);
 std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& options);
 

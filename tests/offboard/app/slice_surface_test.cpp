@@ -61,7 +61,7 @@ TEST_F(SliceSurface, WhereNothingMovesIsThatOfWeldingAll) {
   const Mesh whole = weld(logged);
   ASSERT_GT(whole.triangles.size(), 20'000u);
   for (const int32_t side : {1 << 17, 60}) {
-    const Mesh mesh = surface({{side}, 1});
+    const Mesh mesh = surface({.grid = {side}, .threads = 1});
     EXPECT_EQ(mesh.vertices.size(), whole.vertices.size()) << side;
     EXPECT_TRUE(places_of(mesh) == places_of(whole)) << side;
   }
@@ -71,11 +71,11 @@ TEST_F(SliceSurface, WhereNothingMovesIsThatOfWeldingAll) {
 TEST_F(SliceSurface, DoesNotDependOnTheTiles) {
   for (size_t i = 0; i < group_.T_world_camera[0].size(); ++i)
     group_.T_world_camera[0][i].translation().x() += 0.0005 * static_cast<double>(i);
-  const Mesh whole = surface({kOneTile, 1});
+  const Mesh whole = surface({.grid = kOneTile, .threads = 1});
   const auto expected = places_of(whole);
   EXPECT_GT(expected.size(), 20'000u);
   for (const int32_t side : {100, 40, 17}) {
-    const Mesh mesh = surface({{side}, 2});
+    const Mesh mesh = surface({.grid = {side}, .threads = 2});
     EXPECT_EQ(mesh.vertices.size(), whole.vertices.size()) << side;
     EXPECT_TRUE(places_of(mesh) == expected) << side;
   }

@@ -56,7 +56,7 @@ double largest_error_m(const PlacedMission& placed) {
 
 const std::function<void(double)> kNobody = [](double) {};
 
-PlacedMission place_mission(const Session& session, const LoopConfig& config,
+PlacedMission place_mission(const Session& session, const LoopOptions& config,
                             const std::function<void(double)>& progress) {
   std::vector<LoopClosure> candidates = find_loops(session, config, 0, progress);
   MissionGraph measured = mission_graph(session.trajectory, candidates);
