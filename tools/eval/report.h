@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "tools/eval/colour_error.h"
 #include "tools/eval/consistency.h"
 #include "tools/eval/loop_evaluation.h"
 #include "tools/eval/surface_error.h"
@@ -22,6 +23,7 @@ nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate,
 /// {"accuracy": {"mean_m", ..., "share"}, "completeness": share, "completeness_distance": {...}, "f_score",
 /// ...}
 nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErrorOptions& options);
+nlohmann::ordered_json colour_json(const ColourError& error);
 /// {"keyframes", ..., "candidates", "by_verdict": {"accepted", "too few matches", ...}, "accepted", "judged",
 /// "correct", "precision", "error": {"translation": {"median_m", "p95_m", "max_m"}, "rotation": {...}},
 /// "revisits": {"keyframes", "recalled", "recall", "unproposed", "by_verdict": {...}},
@@ -33,5 +35,6 @@ std::string trajectory_text(const AbsoluteTrajectoryError& ate, const std::optio
 std::string consistency_text(const std::optional<Consistency>& consistency);
 std::string loops_text(const LoopEvaluation& loops);
 std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& options);
+std::string colour_text(const ColourError& error);
 
 }  // namespace kt

@@ -76,6 +76,9 @@ TEST_F(SynthProgram, WritesAFolderThatReadsBackAsTheMission) {
   EXPECT_EQ(whole.vertices.size(), expected.vertices.size());
   EXPECT_EQ(whole.triangles, expected.triangles);
   EXPECT_TRUE(fs::exists(folder_ / "surface_seen.ply"));
+  const Mesh colours = read_ply(folder_ / "surface_colours.ply");
+  EXPECT_GT(colours.vertices.size(), 1000u);
+  EXPECT_EQ(colours.colours.size(), colours.vertices.size());
 }
 
 TEST_F(SynthProgram, OptionsReachTheFrames) {
@@ -91,6 +94,9 @@ TEST_F(SynthProgram, OptionsReachTheFrames) {
                                {.noise = false, .exposure_drift = false, .frames = 1, .downscale = 8});
   EXPECT_EQ(read_colour(folder_ / "clean/rgb/1.000000.png"), clean.render(0).colour);
   EXPECT_FALSE(fs::exists(folder_ / "clean/surface.ply"));
+  ASSERT_EQ(run("room " + (folder_ / "auto").string() + base + " --auto-exposure").exit_code, 0);
+  EXPECT_EQ(depth("auto"), depth("noisy"));
+  EXPECT_NE(read_file(folder_ / "auto/rgb/1.000000.png"), read_file(folder_ / "noisy/rgb/1.000000.png"));
 }
 
 TEST_F(SynthProgram, WritesTheSameOdometryEveryTimeWhereAsked) {
