@@ -10,6 +10,7 @@
 #include "offboard/deformation/deform.h"
 #include "offboard/deformation/solve_deformation.h"
 #include "offboard/deformation/unify_sequences.h"
+#include "offboard/exposure/exposure_estimator.h"
 #include "offboard/map/sheets.h"
 #include "offboard/map/stays.h"
 #include "offboard/map/weld.h"
@@ -49,40 +50,33 @@ Mesh surface_of_slices(Group& group, int threads, bool* is_in_place) {
   return one_sheet(patches, config).mesh;
 }
 
+FrameGains gains_of_frames(const Group& group, std::span<const MissionFrames> missions,
+                           const Session& session, const exec::Device& device, const PreprocessConfig& config,
+                           const std::function<void(double)>& progress) {
+  ExposureEstimator estimator(device, session.header.calibration, config);
+  for_each_placed_frame(
+      group, missions,
+      [&](const RgbdFrame& frame, const StampedPose& pose) { estimator.add(frame, pose.T_odom_camera); },
+      progress);
+  return estimator.finish();
+}
+
 Mesh surface_of_frames(const Group& group, std::span<const MissionFrames> missions, const Session& session,
-                       const exec::Device& device, const ReintegrationConfig& config,
+                       const FrameGains& gains, const exec::Device& device, const ReintegrationConfig& config,
                        const std::filesystem::path& scratch, const std::function<void(double)>& progress) {
   constexpr double kFusing = 0.9;  // of the work
-  const Trajectory poses = group.trajectory();
   Reintegrator reintegrator(device, session.header.calibration, config, scratch);
   std::map<int64_t, const Keyframe*> keyframes;  // by sequence
   for (const Keyframe& keyframe : session.keyframes) keyframes.emplace(keyframe.sequence, &keyframe);
-  int64_t count = 0, read = 0, fused = 0, shown = 0, not_shown = 0;
-  for (const MissionFrames& mission : missions) count += std::max<int64_t>(1, mission.source->frame_count());
-  for (const MissionFrames& mission : missions) {
-    std::map<int64_t, const StampedPose*> by_stamp;
-    for (const StampedPose& pose : poses) {
-      const bool is_of_mission =
-          pose.sequence >= mission.first_sequence && pose.sequence < mission.end_sequence;
-      if (is_of_mission && pose.status == TrackingStatus::kGood) by_stamp.emplace(pose.timestamp_us, &pose);
-    }
-    if (by_stamp.empty()) continue;
-    FrameSource& source = *mission.source;
-    for (SourceItem item = source.next(); item.kind != SourceItem::Kind::kEnd; item = source.next()) {
-      if (item.kind != SourceItem::Kind::kFrame) continue;
-      const auto found = by_stamp.find(item.frame.timestamp_us);
-      if (found != by_stamp.end()) {
-        const StampedPose& pose = *found->second;
-        item.frame.sequence = pose.sequence;
-        reintegrator.fuse(item.frame, pose.T_odom_camera);
-        ++fused;
-        if (const auto keyframe = keyframes.find(pose.sequence); keyframe != keyframes.end())
-          ++(reintegrator.shows(keyframe->second->depth) ? shown : not_shown);
-        if (not_shown > shown + kDoubtful) throw Error(kOtherMission);
-      }
-      progress(kFusing * std::min(1.0, static_cast<double>(++read) / static_cast<double>(count)));
-    }
-  }
+  int64_t fused = 0, shown = 0, not_shown = 0;
+  const auto fuse = [&](const RgbdFrame& frame, const StampedPose& pose) {
+    reintegrator.fuse(frame, pose.T_odom_camera, gains.factor(pose.sequence));
+    ++fused;
+    if (const auto keyframe = keyframes.find(pose.sequence); keyframe != keyframes.end())
+      ++(reintegrator.shows(keyframe->second->depth) ? shown : not_shown);
+    if (not_shown > shown + kDoubtful) throw Error(kOtherMission);
+  };
+  for_each_placed_frame(group, missions, fuse, [&](double share) { progress(kFusing * share); });
   if (fused == 0 || not_shown > shown) throw Error(kOtherMission);
   std::vector<CloudSlice> tiles;
   reintegrator.extract([&](CloudSlice tile) { tiles.push_back(std::move(tile)); },

@@ -4,12 +4,12 @@
 
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <span>
 
+#include "offboard/app/placed_frames.h"
+#include "offboard/exposure/frame_gains.h"
 #include "offboard/placement/groups.h"
 #include "offboard/reintegration/reintegrator.h"
-#include "onboard/source/frame_source.h"
 #include "shared/io/mesh.h"
 
 namespace kt {
@@ -20,18 +20,18 @@ namespace kt {
 /// `is_in_place` becomes false where the bend of a segment was refused, for it would have torn the surface.
 Mesh surface_of_slices(Group& group, int threads, bool* is_in_place);
 
-/// Where the frames of a mission come from, and which sequences the session gave them.
-struct MissionFrames {
-  std::unique_ptr<FrameSource> source;
-  int64_t first_sequence = 0, end_sequence = 0;
-};
+/// How the frames of the group were exposed. Reads the sources to their end.
+FrameGains gains_of_frames(const Group& group, std::span<const MissionFrames> missions,
+                           const Session& session, const exec::Device& device, const PreprocessConfig& config,
+                           const std::function<void(double)>& progress);
 
-/// What all good frames of the group see, fused anew at the group's poses; the sources may give other frames
-/// too. `session`: for the calibration, and the keyframes. `scratch`: a file for voxels, removed in the end.
+/// What all good frames of the group see, fused anew at the group's poses with their colours as `gains` has
+/// them; the sources may give other frames too. `session`: for the calibration, and the keyframes. `scratch`:
+/// a file for voxels, removed in the end.
 /// Throws kt::Error where the frames are those of another mission: none has the stamp of a good pose, or
 /// keyframes show something else.
 Mesh surface_of_frames(const Group& group, std::span<const MissionFrames> missions, const Session& session,
-                       const exec::Device& device, const ReintegrationConfig& config,
+                       const FrameGains& gains, const exec::Device& device, const ReintegrationConfig& config,
                        const std::filesystem::path& scratch, const std::function<void(double)>& progress);
 
 }  // namespace kt

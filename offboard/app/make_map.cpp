@@ -109,8 +109,14 @@ GroupMap map_of(Group group, const JoinedSession& joined, double voxel_size_m, c
     map.surface = SurfaceSource::kFrames;
     ReintegrationConfig config;
     config.volume.voxel_size_m = voxel_size_m;
-    map.map = surface_of_frames(group, missions, joined.session, options.device, config,
-                                options.output / "bricks.tmp", tell);
+    constexpr double kLooking = 0.15;  // of the work
+    if (options.even_exposure) {
+      map.gains = gains_of_frames(group, frames_of(options, joined), joined.session, options.device,
+                                  config.preprocess, [&](double share) { tell(kLooking * share); });
+    }
+    map.map = surface_of_frames(group, missions, joined.session, map.gains.value_or(FrameGains{}),
+                                options.device, config, options.output / "bricks.tmp",
+                                [&](double share) { tell(kLooking + (1 - kLooking) * share); });
   }
   map.islands = drop_small_islands(options.islands, map.map);
   if (options.simplify) simplify(*options.simplify, map.map);

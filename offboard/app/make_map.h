@@ -36,7 +36,9 @@ struct MapOptions {
   IslandConfig islands{};                    ///< smaller pieces of the mesh are dropped
   std::optional<SimplifyConfig> simplify{};  ///< fewer triangles
   std::vector<std::string> formats{"ply"};   ///< of the map: ply, obj, glb, pcd
-  double voxel_size_m = 0;                   ///< of the surface fused anew; 0: the collector's
+  /// Whether frames that are fused anew are brought to one exposure, where that makes views agree better.
+  bool even_exposure = true;
+  double voxel_size_m = 0;  ///< of the surface fused anew; 0: the collector's
   exec::Device device = exec::Device::cpu();
 };
 

@@ -118,6 +118,20 @@ Json optimisation_json(const PlacedMission& placed) {
           {"largest_correction_rad", correction_rad}};
 }
 
+// Gains of the frames' levels against their mean exposure: red, green, blue.
+Json exposure_json(const std::optional<FrameGains>& gains) {
+  if (!gains) return nullptr;
+  return {{"applied", gains->are_applied},
+          {"frames", gains->log_gains.size()},
+          {"views", gains->views},
+          {"pairs", gains->pairs},
+          {"held_back", gains->held_back},
+          {"disagreement_before", gains->disagreement_before},
+          {"disagreement_after", gains->disagreement_after},
+          {"lowest_gain", gains->lowest()},
+          {"highest_gain", gains->highest()}};
+}
+
 Json group_json(const GroupMap& map) {
   const Trajectory trajectory = map.group.trajectory();
   const bool is_empty = trajectory.empty();
@@ -135,6 +149,7 @@ Json group_json(const GroupMap& map) {
           {"vertices", map.map.vertices.size()},
           {"triangles", map.map.triangles.size()},
           {"in_place", map.is_in_place},
+          {"exposure", exposure_json(map.gains)},
           {"dropped_islands", map.islands.dropped_islands},
           {"path_length_m", path_length_m(trajectory)},
           {"folder", map.folder.empty() ? Json() : Json(map.folder)}};

@@ -4,11 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "offboard/exposure/frame_gains.h"
 #include "offboard/map/islands.h"
 #include "offboard/placement/groups.h"
 #include "shared/io/mesh.h"
@@ -39,6 +41,7 @@ struct GroupMap {
   bool is_in_place = true;
   IslandReport islands;
   std::string folder;  ///< within the output folder: "." for the main group; "" where nothing is written
+  std::optional<FrameGains> gains{};  ///< of frames fused anew, where they were looked for
 };
 
 /// Metres from pose to pose.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/report/map_report.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 #include "nlohmann/json.hpp"
@@ -108,10 +109,30 @@ TEST(MapReport, ListsSegmentsAndTellsMissionFromMainSegment) {
   ASSERT_EQ(segments["list"].size(), 2u);
   EXPECT_EQ(segments["list"][0],
             nlohmann::json::parse(R"({"number": 0, "joined": [], "frames": 2, "good": 2, "first_us": 0,
-              "last_us": 1000000, "surface": "slices", "vertices": 5, "triangles": 3, "in_place": true, "dropped_islands": 0, "path_length_m": 7.0, "folder": "."})"));
+              "last_us": 1000000, "surface": "slices", "vertices": 5, "triangles": 3, "in_place": true, "exposure": null, "dropped_islands": 0, "path_length_m": 7.0, "folder": "."})"));
   EXPECT_EQ(segments["list"][1]["number"], 4);
   EXPECT_EQ(segments["list"][1]["good"], 0);
   EXPECT_TRUE(segments["list"][1]["folder"].is_null());
+}
+
+TEST(MapReport, TellsOfTheExposure) {
+  Session session = short_session();
+  Made made(session);
+  FrameGains& gains = made.maps[0].gains.emplace();
+  gains.log_gains = {{0, {0, std::log(0.5), 0}}, {2, {0, std::log(2.0), 0.25}}};
+  gains.views = 2, gains.pairs = 7, gains.held_back = 3;
+  gains.disagreement_before = 0.06, gains.disagreement_after = 0.02, gains.are_applied = true;
+  const auto exposure = nlohmann::json::parse(report_of(session, made))["segments"]["list"][0]["exposure"];
+  EXPECT_EQ(exposure["applied"], true);
+  EXPECT_EQ(exposure["frames"], 2);
+  EXPECT_EQ(exposure["views"], 2);
+  EXPECT_EQ(exposure["pairs"], 7);
+  EXPECT_EQ(exposure["held_back"], 3);
+  EXPECT_EQ(exposure["disagreement_before"], 0.06);
+  EXPECT_EQ(exposure["disagreement_after"], 0.02);
+  EXPECT_NEAR(exposure["lowest_gain"][1].get<double>(), 0.5, 1e-12);
+  EXPECT_NEAR(exposure["highest_gain"][1].get<double>(), 2, 1e-12);
+  EXPECT_NEAR(exposure["highest_gain"][2].get<double>(), std::exp(0.25), 1e-12);
 }
 
 TEST(MapReport, OnlyRunDependsOnTheRun) {
