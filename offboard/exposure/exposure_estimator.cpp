@@ -59,7 +59,7 @@ void ExposureEstimator::add(const RgbdFrame& frame, const Pose& T_world_camera) 
   if (has_view) {
     log_ratio = frames_.back().log_ratio;  // where nothing better is known
     const GainRatio ratio = gain_ratio(log_ratios(views_.back(), view));
-    for (size_t c = 0; c < kChannels; ++c) {
+    for (size_t c = 0; c < kColourChannels; ++c) {
       if (ratio[c]) log_ratio[c] = ratio[c]->log_ratio;
     }
   }
@@ -80,7 +80,8 @@ double ExposureEstimator::disagreement_of(const std::vector<GainEdge>& pairs,
   double sum = 0;
   for (const GainEdge& pair : pairs) {
     ChannelValues expected;
-    for (size_t c = 0; c < kChannels; ++c) expected[c] = log_gains[pair.to][c] - log_gains[pair.from][c];
+    for (size_t c = 0; c < kColourChannels; ++c)
+      expected[c] = log_gains[pair.to][c] - log_gains[pair.from][c];
     sum += disagreement(log_ratios(views_[pair.from], views_[pair.to]), expected).value_or(0);
   }
   return pairs.empty() ? 0 : sum / static_cast<double>(pairs.size());
@@ -100,7 +101,7 @@ FrameGains ExposureEstimator::finish() {
   const std::vector<ChannelValues> of_views = solve_log_gains(views_.size(), edges.used);
   for (const Frame& frame : frames_) {
     ChannelValues log_gain = of_views[frame.view];
-    for (size_t c = 0; c < kChannels; ++c) log_gain[c] += frame.log_ratio[c];
+    for (size_t c = 0; c < kColourChannels; ++c) log_gain[c] += frame.log_ratio[c];
     gains.log_gains.emplace(frame.sequence, log_gain);
   }
   return gains;

@@ -45,7 +45,7 @@ ExposureCell make_cell(const Pixels& pixels, int u0, int v0, int side) {
   const int middle_u = u0 + side / 2, middle_v = v0 + side / 2;
   const FusionPixel& middle = pixels.surface[pixels.index(middle_u, middle_v)];
   if (middle.weight_units() == 0 || pixels.is_oblique(middle_u, middle_v)) return {};
-  std::array<int32_t, kChannels> sum{}, highest{};
+  std::array<int32_t, kColourChannels> sum{}, highest{};
   int32_t count = 0;
   for (int v = v0; v < v0 + side; ++v) {
     for (int u = u0; u < u0 + side; ++u) {
@@ -55,7 +55,7 @@ ExposureCell make_cell(const Pixels& pixels, int u0, int v0, int side) {
           std::abs(pixels.surface[i].depth_m - middle.depth_m) < kSameSurface * middle.depth_m;
       if (!is_same || rgba >> 24 == 0) continue;
       ++count;
-      for (size_t c = 0; c < kChannels; ++c) {
+      for (size_t c = 0; c < kColourChannels; ++c) {
         const auto level = static_cast<int32_t>(rgba >> 8 * c & 255);
         sum[c] += level;
         highest[c] = std::max(highest[c], level);
@@ -64,7 +64,7 @@ ExposureCell make_cell(const Pixels& pixels, int u0, int v0, int side) {
   }
   ExposureCell cell{.depth_m = middle.depth_m};
   if (2 * count < side * side) return cell;
-  for (size_t c = 0; c < kChannels; ++c) {
+  for (size_t c = 0; c < kColourChannels; ++c) {
     const float mean = static_cast<float>(sum[c]) / static_cast<float>(count);
     if (highest[c] < kClippedLevel && mean >= kDarkLevel) cell.log_levels[c] = std::log(mean);
   }
@@ -137,7 +137,7 @@ LogRatios log_ratios(const ExposureView& a, const ExposureView& b) {
   LogRatios ratios;
   for_each_cell(a, b, 1, [&](const ExposureCell& cell, const std::optional<Corners>& seen) {
     if (!seen) return;
-    for (size_t c = 0; c < kChannels; ++c) {
+    for (size_t c = 0; c < kColourChannels; ++c) {
       bool is_usable = cell.log_levels[c] >= 0;
       for (const ExposureCell* corner : seen->cells) is_usable &= corner->log_levels[c] >= 0;
       if (!is_usable) continue;

@@ -5,14 +5,12 @@
 #include <array>
 #include <vector>
 
+#include "offboard/exposure/channel_values.h"
 #include "onboard/preprocess/preprocessor.h"
 #include "shared/core/pinhole.h"
 #include "shared/geometry/se3.h"
 
 namespace kt {
-
-inline constexpr size_t kChannels = 3;  // red, green, blue
-using ChannelValues = std::array<double, kChannels>;
 
 /// A square of pixels on one surface.
 struct ExposureCell {
@@ -20,7 +18,7 @@ struct ExposureCell {
 
   float depth_m = 0;  ///< of its middle; 0: no surface, or one seen too obliquely
   /// Natural logarithm of the mean level; kUnusable where a pixel is clipped, or all are too dark.
-  std::array<float, kChannels> log_levels{kUnusable, kUnusable, kUnusable};
+  std::array<float, kColourChannels> log_levels{kUnusable, kUnusable, kUnusable};
 };
 
 struct ExposureView {
@@ -36,7 +34,7 @@ ExposureView make_exposure_view(const FrameMaps& maps, const Pose& T_world_camer
 
 /// What `b` shows of the cells of `a`: for each channel log(level in b) - log(level in a), cell by cell, of
 /// those that both see unhidden and can use.
-using LogRatios = std::array<std::vector<float>, kChannels>;
+using LogRatios = std::array<std::vector<float>, kColourChannels>;
 LogRatios log_ratios(const ExposureView& a, const ExposureView& b);
 
 /// Share of the cells of `a` that have a surface which `b` sees too; by every `stride`-th cell either way.

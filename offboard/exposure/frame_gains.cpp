@@ -14,7 +14,7 @@ ChannelValues extreme(const std::map<int64_t, ChannelValues>& log_gains, const B
   if (log_gains.empty()) return {1, 1, 1};
   ChannelValues found = log_gains.begin()->second;
   for (const auto& [sequence, log_gain] : log_gains) {
-    for (size_t c = 0; c < kChannels; ++c) found[c] = better(found[c], log_gain[c]);
+    for (size_t c = 0; c < kColourChannels; ++c) found[c] = better(found[c], log_gain[c]);
   }
   return {std::exp(found[0]), std::exp(found[1]), std::exp(found[2])};
 }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <map>
 
-#include "offboard/exposure/exposure_view.h"
+#include "offboard/exposure/channel_values.h"
 #include "shared/core/vec.h"
 
 namespace kt {

@@ -31,7 +31,7 @@ float median_distance(const std::vector<float>& values, float from) {
 GainRatio gain_ratio(const LogRatios& ratios) {
   constexpr double kSigmaOfDeviation = 1.4826, kSigmaOfMedian = 1.2533;  // of a normal distribution
   GainRatio result;
-  for (size_t c = 0; c < kChannels; ++c) {
+  for (size_t c = 0; c < kColourChannels; ++c) {
     if (ratios[c].size() < kMinCells) continue;
     const float middle = median(ratios[c]);
     const double sigma = kSigmaOfDeviation * static_cast<double>(median_distance(ratios[c], middle));
@@ -45,7 +45,7 @@ GainRatio gain_ratio(const LogRatios& ratios) {
 std::optional<double> disagreement(const LogRatios& ratios, const ChannelValues& expected) {
   double sum = 0;
   int channels = 0;
-  for (size_t c = 0; c < kChannels; ++c) {
+  for (size_t c = 0; c < kColourChannels; ++c) {
     if (ratios[c].size() < kMinCells) continue;
     sum += static_cast<double>(median_distance(ratios[c], static_cast<float>(expected[c])));
     ++channels;

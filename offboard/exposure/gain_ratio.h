@@ -13,7 +13,7 @@ struct ChannelRatio {
   double log_ratio = 0;
   double sigma = 0;  ///< its standard deviation
 };
-using GainRatio = std::array<std::optional<ChannelRatio>, kChannels>;
+using GainRatio = std::array<std::optional<ChannelRatio>, kColourChannels>;
 
 /// Fewer cells in common say nothing.
 inline constexpr size_t kMinCells = 60;

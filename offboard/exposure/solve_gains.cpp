@@ -72,7 +72,7 @@ Eigen::VectorXd solve_channel(size_t count, std::span<const GainEdge> edges, siz
 std::vector<ChannelValues> solve_log_gains(size_t count, std::span<const GainEdge> edges) {
   std::vector<ChannelValues> gains(count);
   if (count == 0) return gains;
-  for (size_t c = 0; c < kChannels; ++c) {
+  for (size_t c = 0; c < kColourChannels; ++c) {
     const Eigen::VectorXd x = solve_channel(count, edges, c);
     for (size_t k = 0; k < count; ++k) gains[k][c] = x[static_cast<Eigen::Index>(k)];
   }

@@ -8,7 +8,7 @@
 namespace kt {
 namespace {
 
-constexpr std::array<const char*, 3> kChannels{"red", "green", "blue"};
+constexpr std::array<const char*, 3> kChannelNames{"red", "green", "blue"};
 
 nlohmann::ordered_json statistics_json(const Statistics& s, const std::string& unit) {
   return {{"rmse_" + unit, s.rmse},     {"mean_" + unit, s.mean},
@@ -107,8 +107,8 @@ nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErro
 nlohmann::ordered_json colour_json(const ColourError& error) {
   nlohmann::ordered_json json = {{"mean_levels", error.mean}, {"vertices", error.compared}};
   for (size_t channel = 0; channel < 3; ++channel) {
-    json[kChannels[channel]] = statistics_json(error.levels[channel], "levels");
-    json[kChannels[channel]]["factor"] = error.factor[channel];
+    json[kChannelNames[channel]] = statistics_json(error.levels[channel], "levels");
+    json[kChannelNames[channel]]["factor"] = error.factor[channel];
   }
   return json;
 }
@@ -216,7 +216,7 @@ std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& o
 std::string colour_text(const ColourError& error) {
   std::string text;
   for (size_t channel = 0; channel < 3; ++channel)
-    text += statistics_line(kChannels[channel], error.levels[channel], 1, "levels");
+    text += statistics_line(kChannelNames[channel], error.levels[channel], 1, "levels");
   return text + line("%-22s %.2f levels, of %lld vertices; the map's levels times %.3f %.3f %.3f\n",
                      "colour, mean", error.mean, static_cast<long long>(error.compared), error.factor[0],
                      error.factor[1], error.factor[2]);

@@ -45,7 +45,7 @@ TEST(ExposureEstimator, FindsTheGainsOfEveryFrame) {
   EXPECT_GE(gains.held_back, 3);
   EXPECT_LT(gains.disagreement_after, 0.3 * gains.disagreement_before);
   ASSERT_EQ(gains.log_gains.size(), static_cast<size_t>(kFrames));
-  for (size_t c = 0; c < kChannels; ++c) {
+  for (size_t c = 0; c < kColourChannels; ++c) {
     double mean = 0;  // the exposure of the whole mission is nobody's to know
     for (int i = 0; i < kFrames; ++i) mean += (gains.log_gains.at(i)[c] - std::log(gain_at(i)[c])) / kFrames;
     for (int i = 0; i < kFrames; ++i)
@@ -62,7 +62,7 @@ TEST(ExposureEstimator, LeavesAConstantExposureAlone) {
   const FrameGains gains = gains_of([](int) { return ChannelValues{0.9, 0.9, 0.9}; });
   EXPECT_FALSE(gains.are_applied);
   EXPECT_EQ(gains.factor(7).x, 1);
-  for (size_t c = 0; c < kChannels; ++c) {
+  for (size_t c = 0; c < kColourChannels; ++c) {
     EXPECT_GT(gains.lowest()[c], 0.98);
     EXPECT_LT(gains.highest()[c], 1.02);
   }

@@ -37,7 +37,7 @@ TEST(ExposureView, RatiosAreThoseOfTheGains) {
   const ExposureView a = view_of(seen_from(kHere), kHere),
                      b = view_of(exposed(seen_from(kAside), gain), kAside);
   const LogRatios there = log_ratios(a, b), back = log_ratios(b, a);
-  for (size_t c = 0; c < kChannels; ++c) {
+  for (size_t c = 0; c < kColourChannels; ++c) {
     ASSERT_GT(there[c].size(), 1000u);
     EXPECT_NEAR(middle(there[c]), std::log(gain[c]), 0.004) << c;
     EXPECT_NEAR(middle(back[c]), -std::log(gain[c]), 0.004) << c;
