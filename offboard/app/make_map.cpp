@@ -1,19 +1,20 @@
-// Load, place, map, write; group by group.
+// Load, find loops, optimise, make the surface, write; each stage kept in a file.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/app/make_map.h"
 
-#include <algorithm>
-#include <chrono>
-#include <limits>
+#include <array>
 #include <sys/resource.h>
 #include <utility>
 
-#include "offboard/app/group_surface.h"
+#include "offboard/app/expected_times.h"
+#include "offboard/app/map_summary.h"
 #include "offboard/app/segment_folders.h"
+#include "offboard/app/stage_fields.h"
+#include "offboard/app/stage_keys.h"
+#include "offboard/app/surfaces.h"
+#include "offboard/map/mesh_of_tiles.h"
 #include "offboard/report/map_report.h"
-#include "offboard/session/integrity_report.h"
 #include "offboard/session/join_sessions.h"
-#include "offboard/session/load_session.h"
 #include "shared/core/check.h"
 #include "shared/io/file.h"
 
@@ -26,37 +27,13 @@ int64_t peak_memory_bytes() {
   return int64_t{usage.ru_maxrss} * 1024;
 }
 
-// Runs the steps, tells of them, and keeps their wall times.
-class Steps {
- public:
-  explicit Steps(const StepProgress& progress) : progress_(progress) {}
-
-  template <typename Action>
-  auto run(const std::string& name, Action&& action) {
-    const auto tell = [this, &name](double share) {
-      if (progress_) progress_(name, share);
-    };
-    tell(0);
-    const auto start = std::chrono::steady_clock::now();
-    auto result = action(tell);
-    times_s_.emplace_back(name,
-                          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    tell(1);
-    return result;
-  }
-  const std::vector<std::pair<std::string, double>>& times_s() const { return times_s_; }
-
- private:
-  const StepProgress& progress_;
-  std::vector<std::pair<std::string, double>> times_s_;
-};
-
-// The missions of all logs as one.
-JoinedSession load_all(const MapOptions& options, const std::function<void(double)>& tell) {
+// The missions of all logs as one; load(i, tell) loads one of them.
+template <typename Load>
+JoinedSession load_all(const MapOptions& options, const TellShare& tell, const Load& load) {
   std::vector<Session> sessions;
   for (const std::filesystem::path& log : options.logs) {
     const auto done = static_cast<double>(sessions.size()), all = static_cast<double>(options.logs.size());
-    sessions.push_back(load_session(log, [&](double share) { tell((done + share) / all); }));
+    sessions.push_back(load(sessions.size(), [&](double share) { tell((done + share) / all); }));
     if (sessions.back().trajectory.empty()) {
       throw Error(log.string() +
                   " holds no poses, so it is no mission: where it holds raw frames, run kintsugi-collect " +
@@ -66,159 +43,148 @@ JoinedSession load_all(const MapOptions& options, const std::function<void(doubl
   return join_sessions(std::move(sessions));
 }
 
-// The frames that are fused anew; none where the slices serve.
-std::vector<MissionFrames> frames_of(const MapOptions& options, const JoinedSession& joined) {
-  if (options.surface == SurfaceChoice::kSlices) return {};
-  if (!options.frames.empty() && options.frames.size() != options.logs.size())
-    throw Error("--frames must name one recording for each log, in their order");
-  const Calibration& calibration = joined.session.header.calibration;
-  std::vector<MissionFrames> missions;
-  for (size_t i = 0; i < options.logs.size(); ++i) {
-    MissionFrames mission;
-    const std::string log = options.logs[i].string();
-    try {
-      mission.source = options.frames.empty() ? open_source("lcm-log:" + log)
-                                              : open_source(options.frames[i], calibration);
-    } catch (const Error&) {
-      if (!options.frames.empty()) throw;
-      if (options.surface == SurfaceChoice::kAuto) return {};
-      throw Error(log +
-                  " holds no raw frames: record with --record-raw, or name the recording with --frames");
-    }
-    mission.first_sequence = joined.first_sequences[i];
-    mission.end_sequence =
-        i + 1 < options.logs.size() ? joined.first_sequences[i + 1] : std::numeric_limits<int64_t>::max();
-    missions.push_back(std::move(mission));
-  }
-  return missions;
-}
-
-double voxel_size_of(const MapOptions& options, const Session& session) {
-  if (options.voxel_size_m > 0) return options.voxel_size_m;
-  return session.slices.empty() ? VolumeConfig{}.voxel_size_m : session.slices.front().voxel_size_m;
-}
-
-GroupMap map_of(Group group, const JoinedSession& joined, double voxel_size_m, const MapOptions& options,
-                const std::function<void(double)>& tell) {
-  GroupMap map;
-  const std::vector<MissionFrames> missions =
-      group.good_frames() > 0 ? frames_of(options, joined) : std::vector<MissionFrames>();
-  if (missions.empty()) {
-    map.map = surface_of_slices(group, options.placement.threads, &map.is_in_place);
-  } else {
-    map.surface = SurfaceSource::kFrames;
-    ReintegrationConfig config;
-    config.volume.voxel_size_m = voxel_size_m;
-    constexpr double kLooking = 0.15;  // of the work
-    if (options.even_exposure) {
-      map.gains = gains_of_frames(group, frames_of(options, joined), joined.session, options.device,
-                                  config.preprocess, [&](double share) { tell(kLooking * share); });
-    }
-    map.map = surface_of_frames(group, missions, joined.session, map.gains.value_or(FrameGains{}),
-                                options.device, config, options.output / "bricks.tmp",
-                                [&](double share) { tell(kLooking + (1 - kLooking) * share); });
-  }
-  map.islands = drop_small_islands(options.islands, map.map);
-  if (options.simplify) simplify(*options.simplify, map.map);
-  map.group = std::move(group);
-  return map;
-}
-
 // What has neither good frames nor surface is not written.
 std::string folder_of(const GroupMap& map, bool is_main) {
   if (is_main) return ".";
-  return map.group.good_frames() > 0 || !map.map.triangles.empty() ? segment_folder(map.group.number()) : "";
+  return map.group.good_frames() > 0 || map.map.mesh->triangles() > 0 ? segment_folder(map.group.number())
+                                                                      : "";
 }
 
-std::string size_text(const Mesh& map) {
-  return std::to_string(map.vertices.size()) + " vertices, " + std::to_string(map.triangles.size()) +
-         " triangles";
-}
+// The stages one after the other, and what each leaves to the next.
+class MapRun {
+ public:
+  MapRun(const MapOptions& options, const StageProgress& progress)
+      : options_(options),
+        store_(options.output / (options.keeps_stages ? "stages" : "stages.tmp"), options.keeps_stages),
+        stages_(store_, progress) {}
 
-std::string loops_text(const PlacedMission& placed) {
-  size_t believed = 0;
-  for (const size_t edge : placed.measured.loop_edges) believed += placed.solution.edges[edge].weight > 0;
-  return std::to_string(believed) + " of " + std::to_string(placed.measured.loop_edges.size()) +
-         " proved closures believed, " + std::to_string(placed.candidates.size()) + " places compared";
-}
-
-// A line for each where there are several.
-std::string groups_text(const std::vector<GroupMap>& maps) {
-  if (maps.size() == 1) return {};
-  std::string text =
-      std::to_string(maps.size()) + " segments, not joined: how they stand to each other is not known\n";
-  for (const GroupMap& map : maps) {
-    text += "  segment " + std::to_string(map.group.number()) + ": " +
-            std::to_string(map.group.trajectory().size()) + " poses, " +
-            std::to_string(map.group.good_frames()) + " good, " + size_text(map.map) + "; ";
-    text += (map.folder.empty() ? "not written" : "in " + map.folder) + "\n";
+  void load() {
+    key_ = load_key(options_);
+    indices_ = stages_.run(
+        "load", key_,
+        [this](const TellShare& tell) {
+          std::vector<LogIndex> indices(options_.logs.size());
+          joined_ = load_all(options_, tell, [&](size_t i, const Progress& progress) {
+            return load_session(options_.logs[i], progress, &indices[i]);
+          });
+          create_folder(options_.output);
+          return indices;
+        },
+        [this](const std::vector<LogIndex>& indices, const TellShare& tell) {
+          joined_ = load_all(options_, tell, [&](size_t i, const Progress& progress) {
+            return load_session(options_.logs[i], indices[i], progress);
+          });
+        });
+    source_ = surface_source(options_, joined_.session, indices_);
+    fusion_ = fusion_of(options_, joined_.session);
+    expect_stages(joined_.session, source_, stages_.time_to_go());
+    text_ += log_text(joined_.session);
   }
-  return text;
-}
 
-std::string warning_text(const std::vector<GroupMap>& maps) {
-  std::string text;
-  for (const GroupMap& map : maps) {
-    if (map.is_in_place) continue;
-    text += "warning: segment " + std::to_string(map.group.number()) +
-            " would tear if its surface were bent to the optimised poses: it stands where odometry has it; " +
-            "--frames with the recording fuses it anew\n";
+  void find_loops() {
+    key_ = loops_key(key_, options_.loops);
+    candidates_ = stages_.run("loops", key_, [this](const TellShare& tell) {
+      return kt::find_loops(joined_.session, options_.loops, options_.threads, tell);
+    });
+    text_ += candidates_text(candidates_);
   }
-  return text;
-}
 
-// "map.ply, map.glb, "
-std::string map_names(const std::vector<std::string>& formats) {
-  std::string names;
-  for (const std::string& format : formats) names += map_file(format) + ", ";
-  return names;
-}
+  void optimise() {
+    key_ = optimise_key(key_, options_.graph);
+    MissionGraph measured = mission_graph(joined_.session.trajectory, candidates_);
+    OptimisedGraph solution = stages_.run(
+        "optimise", key_, [&](const TellShare&) { return solve_mission(measured, options_.graph); });
+    placed_ =
+        placed_mission(joined_.session, std::move(candidates_), std::move(measured), std::move(solution));
+    text_ += placed_text(placed_);
+  }
 
-std::string summary(const Session& session, const PlacedMission& placed, const std::vector<GroupMap>& maps,
-                    size_t main, const MapOptions& options) {
-  return "log:  " + integrity_text(session.integrity) + "\nloops: " + loops_text(placed) +
-         "\nmap:  " + size_text(maps[main].map) + " from " +
-         (maps[main].surface == SurfaceSource::kFrames ? "all frames" : "the collector's slices") +
-         "\npath: " + std::to_string(maps[main].group.trajectory().size()) + " poses\nwritten to " +
-         options.output.string() + ": " + map_names(options.formats) +
-         "trajectory.txt, poses.g2o, report.json\n" + groups_text(maps) + warning_text(maps);
-}
+  void make_surface() {
+    groups_ = take_groups(joined_.session, placed_);
+    const bool fuses = source_ == SurfaceSource::kFrames;
+    key_ = fuses ? fuse_key(key_, options_.frames, fusion_, options_.even_exposure) : deform_key(key_);
+    surface_stage_ = fuses ? "fuse" : "deform";
+    surfaces_ = stages_.run(surface_stage_, key_, [this](const TellShare& tell) {
+      store_.open();
+      const auto tiles = [this](const Group& group) { return store_.part(surface_stage_, group.number()); };
+      return make_surfaces(source_, fusion_, groups_, joined_, options_, tiles, tell);
+    });
+  }
+
+  void make_mesh() {
+    const size_t main = main_group(groups_);
+    const std::vector<GroupMap> maps =
+        stages_.run_always("mesh", [&](const TellShare& tell) { return write_maps(main, tell); });
+    RunFigures run{{}, stages_.done(), peak_memory_bytes()};
+    for (const std::filesystem::path& log : options_.logs) run.logs.push_back(log.string());
+    write_file(options_.output / "report.json",
+               map_report(joined_.session, placed_, maps, main, files_, run));
+    text_ += map_text(maps, main, options_);
+  }
+
+  std::string run() {
+    constexpr std::array<void (MapRun::*)(), 5> kStages = {
+        &MapRun::load, &MapRun::find_loops, &MapRun::optimise, &MapRun::make_surface, &MapRun::make_mesh};
+    for (size_t i = 0; i <= static_cast<size_t>(options_.until); ++i) {
+      if (options_.from && i == static_cast<size_t>(*options_.from)) stages_.make_all();
+      (this->*kStages[i])();
+    }
+    text_ += stages_text(stages_);
+    if (options_.until != MapStage::kMesh) text_ += stopped_text(stages_, store_);
+    return text_;
+  }
+
+ private:
+  std::vector<GroupMap> write_maps(size_t main, const TellShare& tell) {
+    constexpr double kMeshing = 0.6;  // of the work
+    std::vector<GroupMap> maps;
+    remove_segment_folders(options_.output);
+    for (size_t i = 0; i < groups_.size(); ++i) {
+      const auto tell_of_group = [&](double share) {
+        tell((static_cast<double>(i) + share) / static_cast<double>(groups_.size()));
+      };
+      GroupMap& map = maps.emplace_back();
+      const int number = groups_[i].number();
+      map.map =
+          mesh_of_tiles(TileFile(store_.part(surface_stage_, number)), {options_.islands, options_.simplify},
+                        store_.part("mesh", number), [&](double share) { tell_of_group(kMeshing * share); });
+      map.group = std::move(groups_[i]);
+      map.surface = surfaces_[i].source;
+      map.is_in_place = surfaces_[i].is_in_place;
+      map.exposure = surfaces_[i].exposure;
+      map.folder = folder_of(map, i == main);
+      if (map.folder.empty()) continue;
+      for (MapFile& file : write_group(options_.output, map, placed_, options_.formats))
+        files_.push_back(std::move(file));
+      tell_of_group(1);
+    }
+    return maps;
+  }
+
+  const MapOptions& options_;
+  StageStore store_;
+  StageRunner stages_;
+  Digest key_;  // of the stage that was run last
+  std::string text_;
+
+  JoinedSession joined_;  // without poses and slices once the groups have them
+  std::vector<LogIndex> indices_;
+  SurfaceSource source_ = SurfaceSource::kSlices;
+  ReintegrationConfig fusion_;
+  std::vector<LoopClosure> candidates_;
+  PlacedMission placed_;
+  std::vector<Group> groups_;
+  std::string surface_stage_;
+  std::vector<GroupSurface> surfaces_;
+  std::vector<MapFile> files_;
+};
 
 }  // namespace
 
-std::string make_map(const MapOptions& options, const StepProgress& progress) {
-  Steps steps(progress);
-  JoinedSession joined = steps.run("load", [&](const auto& tell) { return load_all(options, tell); });
-  Session& session = joined.session;
-  create_folder(options.output);
-  const PlacedMission placed =
-      steps.run("place", [&](const auto& tell) { return place_mission(session, options.placement, tell); });
-  const double voxel_size_m = voxel_size_of(options, session);
-  std::vector<Group> groups = take_groups(session, placed);
-  const size_t main = main_group(groups);
-  const std::vector<GroupMap> maps = steps.run("surface", [&](const auto& tell) {
-    std::vector<GroupMap> made;
-    for (size_t i = 0; i < groups.size(); ++i) {
-      const auto tell_of_group = [&](double share) {
-        tell((static_cast<double>(i) + share) / static_cast<double>(groups.size()));
-      };
-      made.push_back(map_of(std::move(groups[i]), joined, voxel_size_m, options, tell_of_group));
-      made.back().folder = folder_of(made.back(), i == main);
-    }
-    return made;
-  });
-  steps.run("write", [&](const auto& tell) {
-    remove_segment_folders(options.output);
-    for (size_t i = 0; i < maps.size(); ++i) {
-      if (!maps[i].folder.empty()) write_group(options.output, maps[i], placed, options.formats);
-      tell(static_cast<double>(i + 1) / static_cast<double>(maps.size()));
-    }
-    return true;
-  });
-  RunFigures run{{}, steps.times_s(), peak_memory_bytes()};
-  for (const std::filesystem::path& log : options.logs) run.logs.push_back(log.string());
-  write_file(options.output / "report.json", map_report(session, placed, maps, main, run));
-  return summary(session, placed, maps, main, options);
+std::string make_map(const MapOptions& options, const StageProgress& progress) {
+  if (!options.keeps_stages && options.until != MapStage::kMesh)
+    throw Error("a run that keeps no stages and stops before the last one would leave nothing");
+  return MapRun(options, progress).run();
 }
 
 }  // namespace kt

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,12 +10,10 @@
 #include "offboard/map/islands.h"
 #include "offboard/map/simplify.h"
 #include "offboard/placement/place_mission.h"
+#include "offboard/stages/stage_runner.h"
 #include "shared/exec/device.h"
 
 namespace kt {
-
-/// Is told what happens: the name of a step, and its share done in [0, 1].
-using StepProgress = std::function<void(const std::string& step, double share)>;
 
 /// What the surface is made of.
 enum class SurfaceChoice {
@@ -25,10 +22,15 @@ enum class SurfaceChoice {
   kFrames,  ///< all frames, fused anew at their optimised poses
 };
 
+/// In their order. All but the mesh are kept in files (StageStore): `load` an index of the logs, `loops`
+/// all candidates, `optimise` the solved graph, the surface as `deform` or `fuse`, whichever made it.
+enum class MapStage { kLoad, kLoops, kOptimise, kSurface, kMesh };
+
 struct MapOptions {
   std::vector<std::filesystem::path> logs;  ///< one, or several of one camera, to be joined
   std::filesystem::path output;  ///< folder, made where it is missing; files of earlier runs are replaced
-  PlacementConfig placement{};
+  LoopConfig loops{};
+  PoseGraphOptions graph{};
   SurfaceChoice surface = SurfaceChoice::kAuto;
   /// Where the frames come from, as open_source takes it, in the order of the logs; empty: the logs
   /// themselves.
@@ -36,16 +38,21 @@ struct MapOptions {
   IslandConfig islands{};                    ///< smaller pieces of the mesh are dropped
   std::optional<SimplifyConfig> simplify{};  ///< fewer triangles
   std::vector<std::string> formats{"ply"};   ///< of the map: ply, obj, glb, pcd
+  double voxel_size_m = 0;                   ///< of the surface fused anew; 0: the collector's
   /// Whether frames that are fused anew are brought to one exposure, where that makes views agree better.
   bool even_exposure = true;
-  double voxel_size_m = 0;  ///< of the surface fused anew; 0: the collector's
+  bool keeps_stages = true;                  ///< in output/stages; else all is made, and nothing is left
+  std::optional<MapStage> from{};            ///< this stage and those behind it are made anew in any case
+  MapStage until = MapStage::kMesh;          ///< the last one that is run
   exec::Device device = exec::Device::cpu();
+  int threads = 0;  ///< of the CPU; 0: one per core
 };
 
 /// Joins the logs and writes map.ply (or another format), trajectory.txt and poses.g2o of the main group
 /// (main_group) and report.json to options.output; what else has good frames or surface goes to folders
-/// segment-N there. Returns a summary of a few lines for people. Throws kt::Error where the log is no
+/// segment-N there. What an earlier run has kept of the same is taken from output/stages: the files are the
+/// same as without. Returns a summary of a few lines for people. Throws kt::Error where the log is no
 /// mission, or the output cannot be written.
-std::string make_map(const MapOptions& options, const StepProgress& progress = {});
+std::string make_map(const MapOptions& options, const StageProgress& progress = {});
 
 }  // namespace kt

@@ -6,8 +6,8 @@
 #include <memory>
 #include <span>
 
-#include "offboard/placement/groups.h"
 #include "onboard/source/frame_source.h"
+#include "shared/types/stamped_pose.h"
 
 namespace kt {
 
@@ -17,10 +17,11 @@ struct MissionFrames {
   int64_t first_sequence = 0, end_sequence = 0;
 };
 
-/// Reads the sources to their end and calls take(frame, pose) for the frames that have the stamp of a good
-/// pose of the group, with its sequence; the sources may give other frames too. Is told the share done.
-void for_each_placed_frame(const Group& group, std::span<const MissionFrames> missions,
-                           const std::function<void(const RgbdFrame&, const StampedPose&)>& take,
+/// Reads the sources to their end and calls take(frame, T_world_camera, index of the pose) for the frames
+/// that have the stamp of a good pose, with its sequence; the sources may give other frames too. `poses` are in
+/// world. Is told the share done.
+void for_each_placed_frame(const Trajectory& poses, std::span<const MissionFrames> missions,
+                           const std::function<void(const RgbdFrame&, const Pose&, size_t)>& take,
                            const std::function<void(double)>& progress);
 
 }  // namespace kt

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "offboard/map/cloud_file.h"
+#include "offboard/stages/file_identity.h"
 #include "shared/core/check.h"
 #include "shared/io/g2o.h"
 #include "shared/io/mesh_file.h"
@@ -49,16 +50,25 @@ void create_folder(const fs::path& folder) {
 
 std::string map_file(const std::string& format) { return std::string(kMap) + format; }
 
-void write_group(const fs::path& output, const GroupMap& map, const PlacedMission& placed,
-                 const std::vector<std::string>& formats) {
+std::vector<MapFile> write_group(const fs::path& output, const GroupMap& map, const PlacedMission& placed,
+                                 const std::vector<std::string>& formats) {
   const fs::path folder = map.folder == "." ? output : output / map.folder;
   create_folder(folder);
+  const MeshStream mesh = map.map.mesh->stream();
+  std::vector<std::string> names;
   for (const std::string& format : formats) {
-    const fs::path path = folder / map_file(format);
-    format == "pcd" ? write_cloud(path, map.map) : write_mesh(path, map.map);
+    const fs::path path = folder / names.emplace_back(map_file(format));
+    format == "pcd" ? write_cloud(path, mesh) : write_mesh(path, mesh);
   }
-  write_trajectory(folder / kTrajectory, map.group.trajectory());
-  write_g2o(folder / kPoses, graph_of(map.group, placed));
+  write_trajectory(folder / names.emplace_back(kTrajectory), map.group.trajectory());
+  write_g2o(folder / names.emplace_back(kPoses), graph_of(map.group, placed));
+  std::vector<MapFile> files;
+  for (const std::string& name : names) {
+    const FileDigest written = digest_of_file(folder / name);
+    files.push_back(
+        {(folder / name).lexically_relative(output).string(), written.bytes, written.digest.hex()});
+  }
+  return files;
 }
 
 void remove_segment_folders(const fs::path& output) {

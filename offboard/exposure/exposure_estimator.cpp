@@ -3,6 +3,7 @@
 #include "offboard/exposure/exposure_estimator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "offboard/exposure/view_pairs.h"
@@ -90,20 +91,28 @@ double ExposureEstimator::disagreement_of(const std::vector<GainEdge>& pairs,
 FrameGains ExposureEstimator::finish() {
   Edges edges = edges_of(views_);
   FrameGains gains;
-  gains.views = static_cast<int64_t>(views_.size());
-  gains.held_back = static_cast<int64_t>(edges.held_back.size());
-  gains.pairs = static_cast<int64_t>(edges.used.size()) + gains.held_back;
-  gains.disagreement_before = disagreement_of(edges.held_back, std::vector<ChannelValues>(views_.size()));
-  gains.disagreement_after = disagreement_of(edges.held_back, solve_log_gains(views_.size(), edges.used));
-  gains.are_applied =
-      gains.held_back >= kMinHeldBack && gains.disagreement_after < kImprovement * gains.disagreement_before;
+  ExposureFigures& figures = gains.figures;
+  figures.views = static_cast<int64_t>(views_.size());
+  figures.held_back = static_cast<int64_t>(edges.held_back.size());
+  figures.pairs = static_cast<int64_t>(edges.used.size()) + figures.held_back;
+  figures.disagreement_before = disagreement_of(edges.held_back, std::vector<ChannelValues>(views_.size()));
+  figures.disagreement_after = disagreement_of(edges.held_back, solve_log_gains(views_.size(), edges.used));
+  figures.are_applied = figures.held_back >= kMinHeldBack &&
+                        figures.disagreement_after < kImprovement * figures.disagreement_before;
   edges.used.insert(edges.used.end(), edges.held_back.begin(), edges.held_back.end());
   const std::vector<ChannelValues> of_views = solve_log_gains(views_.size(), edges.used);
   for (const Frame& frame : frames_) {
     ChannelValues log_gain = of_views[frame.view];
-    for (size_t c = 0; c < kColourChannels; ++c) log_gain[c] += frame.log_ratio[c];
+    for (size_t c = 0; c < kColourChannels; ++c) {
+      log_gain[c] += frame.log_ratio[c];
+      const double gain = std::exp(log_gain[c]);
+      const bool is_first = gains.log_gains.empty();
+      figures.lowest_gain[c] = is_first ? gain : std::min(figures.lowest_gain[c], gain);
+      figures.highest_gain[c] = is_first ? gain : std::max(figures.highest_gain[c], gain);
+    }
     gains.log_gains.emplace(frame.sequence, log_gain);
   }
+  figures.frames = static_cast<int64_t>(gains.log_gains.size());
   return gains;
 }
 

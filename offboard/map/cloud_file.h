@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "shared/io/mesh.h"
+#include "shared/io/mesh_stream.h"
 
 namespace kt {
 
@@ -14,6 +14,6 @@ void check_cloud_path(const std::filesystem::path& path);
 
 /// Writes the vertices and what they carry, without triangles, in the format that `path` ends in. Quality is
 /// kept in .ply only. Throws kt::Error as check_cloud_path, and where the file cannot be written whole.
-void write_cloud(const std::filesystem::path& path, const Mesh& cloud);
+void write_cloud(const std::filesystem::path& path, const MeshStream& cloud);
 
 }  // namespace kt

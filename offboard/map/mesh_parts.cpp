@@ -2,10 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/map/mesh_parts.h"
 
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <compare>
 #include <cstdint>
 #include <limits>
 
@@ -37,45 +33,17 @@ Mesh concatenated(std::span<const Mesh> meshes) {
   return all;
 }
 
-void keep_triangles(const std::vector<bool>& stands, Mesh& mesh) {
+std::vector<bool> keep_triangles(const std::vector<bool>& stands, Mesh& mesh) {
   KT_CHECK(stands.size() == mesh.triangles.size());
-  size_t count = 0;
-  for (size_t t = 0; t < stands.size(); ++t) {
-    if (stands[t]) mesh.triangles[count++] = mesh.triangles[t];
-  }
-  mesh.triangles.resize(count);
-  drop_unused_vertices(mesh);
+  keep_values(stands, mesh.triangles);
+  return drop_unused_vertices(mesh);
 }
 
-void join_coincident(Mesh& mesh) {
-  struct Place {
-    std::array<uint32_t, 3> bits;
-    uint32_t vertex;
-    auto operator<=>(const Place&) const = default;
-  };
-  std::vector<Place> places;
-  places.reserve(mesh.vertices.size());
-  for (const Vec3f p : mesh.vertices) {
-    places.push_back(
-        {{std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)},
-         static_cast<uint32_t>(places.size())});
-  }
-  std::sort(places.begin(), places.end());
-  std::vector<uint32_t> first_of(places.size());
-  for (size_t i = 0, first = 0; i < places.size(); ++i) {
-    if (places[i].bits != places[first].bits) first = i;
-    first_of[places[i].vertex] = places[first].vertex;
-  }
-  std::vector<bool> stands;
-  for (auto& triangle : mesh.triangles) {
-    for (uint32_t& corner : triangle) corner = first_of[corner];
-    const auto [a, b, c] = triangle;
-    stands.push_back(a != b && b != c && c != a);
-  }
-  keep_triangles(stands, mesh);
+void keep_triangles(const std::vector<bool>& stands, WeldedMesh& mesh) {
+  keep_values(keep_triangles(stands, static_cast<Mesh&>(mesh)), mesh.keys);
 }
 
-void drop_unused_vertices(Mesh& mesh) {
+std::vector<bool> drop_unused_vertices(Mesh& mesh) {
   std::vector<bool> is_used(mesh.vertices.size());
   for (const auto& triangle : mesh.triangles) {
     for (const uint32_t corner : triangle) is_used[corner] = true;
@@ -86,11 +54,7 @@ void drop_unused_vertices(Mesh& mesh) {
     if (is_used[i]) new_index[i] = count++;
   }
   const auto compact = [&](auto& list) {
-    if (list.empty()) return;
-    for (size_t i = 0; i < is_used.size(); ++i) {
-      if (is_used[i]) list[new_index[i]] = list[i];
-    }
-    list.resize(count);
+    if (!list.empty()) keep_values(is_used, list);
   };
   compact(mesh.vertices);
   compact(mesh.normals);
@@ -99,6 +63,7 @@ void drop_unused_vertices(Mesh& mesh) {
   for (auto& triangle : mesh.triangles) {
     for (uint32_t& corner : triangle) corner = new_index[corner];
   }
+  return is_used;
 }
 
 }  // namespace kt

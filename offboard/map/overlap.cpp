@@ -7,7 +7,6 @@
 #include <compare>
 #include <functional>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include "offboard/map/splinters.h"
@@ -28,23 +27,12 @@ bool repeats_a_corner(const std::array<EdgeKey, 3>& keys) {
 }
 
 // For each slice, 0 for the best; the parts of one slice share it.
-std::vector<uint32_t> ranks_of(std::span<const CloudSlice> slices) {
-  struct Whole {
-    double weight = 0, corners = 0;
-    double mean() const { return corners > 0 ? weight / corners : 0; }
-  };
-  std::map<int64_t, Whole> wholes;  // by sequence
-  for (const CloudSlice& slice : slices) {
-    Whole& whole = wholes[slice.sequence];
-    for (const Triangle& triangle : slice.triangles) {
-      for (const uint32_t corner : triangle)
-        whole.weight += static_cast<double>(slice.vertices[corner].weight);
-    }
-    whole.corners += 3 * static_cast<double>(slice.triangles.size());
-  }
+std::vector<uint32_t> ranks_of(std::span<const CloudSlice> slices, const SliceWeights& weights) {
   std::vector<std::pair<double, int64_t>> best_first;
-  for (const auto& [sequence, whole] : wholes) best_first.emplace_back(whole.mean(), sequence);
+  for (const CloudSlice& slice : slices)
+    best_first.emplace_back(weights.mean(slice.sequence), slice.sequence);
   std::sort(best_first.begin(), best_first.end(), std::greater<>());
+  best_first.erase(std::unique(best_first.begin(), best_first.end()), best_first.end());
   std::map<int64_t, uint32_t> rank_of;
   for (const auto& [mean, sequence] : best_first)
     rank_of.emplace(sequence, static_cast<uint32_t>(rank_of.size()));
@@ -77,8 +65,21 @@ std::vector<bool> touched_by_fallen(std::span<const CloudSlice> slices, const St
 
 }  // namespace
 
-StandingTriangles one_slice_per_cell(std::span<const CloudSlice> slices) {
-  const std::vector<uint32_t> ranks = ranks_of(slices);
+void SliceWeights::add(const CloudSlice& slice) {
+  Sum& sum = sums_[slice.sequence];
+  for (const Triangle& triangle : slice.triangles) {
+    for (const uint32_t corner : triangle) sum.weight += static_cast<double>(slice.vertices[corner].weight);
+  }
+  sum.corners += 3 * static_cast<double>(slice.triangles.size());
+}
+
+double SliceWeights::mean(int64_t sequence) const {
+  const Sum& sum = sums_.at(sequence);
+  return sum.corners > 0 ? sum.weight / sum.corners : 0;
+}
+
+StandingTriangles one_slice_per_cell(std::span<const CloudSlice> slices, const SliceWeights& weights) {
+  const std::vector<uint32_t> ranks = ranks_of(slices, weights);
   std::vector<CellEntry> entries;
   size_t count = 0;
   for (const CloudSlice& slice : slices) count += slice.triangles.size();

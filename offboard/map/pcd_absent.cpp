@@ -11,7 +11,7 @@ void check_pcd_support() {
       ".ply");
 }
 
-std::string pcd_bytes(const Mesh&) {
+std::string pcd_head(uint32_t, bool, bool) {
   check_pcd_support();
   return {};
 }

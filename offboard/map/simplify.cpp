@@ -46,7 +46,7 @@ struct Edge {
 
 class Simplification {
  public:
-  Simplification(const SimplifyConfig& config, Mesh& mesh);
+  Simplification(const SimplifyConfig& config, Mesh& mesh, const std::vector<bool>& is_pinned);
   SimplifyReport run();
 
  private:
@@ -65,26 +65,32 @@ class Simplification {
   Point place_for(uint32_t u, uint32_t v) const;
   void push(uint32_t u, uint32_t v);
   bool may_collapse(uint32_t u, uint32_t v, const Point& place) const;
+  bool joins_pinned(uint32_t v, const std::vector<uint32_t>& others,
+                    const std::vector<uint32_t>& common) const;
   bool folds(uint32_t moved, uint32_t other, const Point& place) const;
   void blend(uint32_t stays, uint32_t goes, const Point& place);
   void collapse(uint32_t stays, uint32_t goes, const Point& place);
 
   const SimplifyConfig& config_;
   Mesh& mesh_;
-  std::vector<bool> stands_, is_fixed_;               // by triangle; by vertex
+  std::vector<bool> stands_;                          // by triangle
+  std::vector<bool> is_fixed_, is_pinned_;            // by vertex
   std::vector<uint32_t> first_corner_, next_corner_;  // a list of corners, 3 * triangle + k, for each vertex
   std::vector<Quadric> quadrics_;
   std::vector<uint32_t> version_;
   std::vector<Edge> heap_;
 };
 
-Simplification::Simplification(const SimplifyConfig& config, Mesh& mesh)
+Simplification::Simplification(const SimplifyConfig& config, Mesh& mesh, const std::vector<bool>& is_pinned)
     : config_(config),
       mesh_(mesh),
       stands_(mesh.triangles.size(), true),
-      is_fixed_(mesh.vertices.size()),
+      is_fixed_(is_pinned),
+      is_pinned_(is_pinned),
       quadrics_(mesh.vertices.size()),
       version_(mesh.vertices.size()) {
+  is_fixed_.resize(mesh.vertices.size());
+  is_pinned_.resize(mesh.vertices.size());
   link_corners();
   add_planes();
   for (uint32_t u = 0; u < mesh.vertices.size(); ++u) {
@@ -179,13 +185,22 @@ bool Simplification::folds(uint32_t moved, uint32_t other, const Point& place) c
   return any;
 }
 
+// Whether `v` is pinned, and so is a vertex of `others` that it shares no triangle with.
+bool Simplification::joins_pinned(uint32_t v, const std::vector<uint32_t>& others,
+                                  const std::vector<uint32_t>& common) const {
+  return is_pinned_[v] && std::any_of(others.begin(), others.end(), [&](uint32_t other) {
+           return other != v && is_pinned_[other] && !std::binary_search(common.begin(), common.end(), other);
+         });
+}
+
 bool Simplification::may_collapse(uint32_t u, uint32_t v, const Point& place) const {
   // The link condition (Dey et al. 1999): else the surface would touch itself.
   std::vector<uint32_t> of_u = neighbours(u), of_v = neighbours(v), common;
   of_u.erase(std::unique(of_u.begin(), of_u.end()), of_u.end());
   of_v.erase(std::unique(of_v.begin(), of_v.end()), of_v.end());
   std::set_intersection(of_u.begin(), of_u.end(), of_v.begin(), of_v.end(), std::back_inserter(common));
-  return common.size() == 2 && !folds(u, v, place) && !folds(v, u, place);
+  return common.size() == 2 && !joins_pinned(u, of_v, common) && !joins_pinned(v, of_u, common) &&
+         !folds(u, v, place) && !folds(v, u, place);
 }
 
 // What the vertices carry, where `place` lies between them.
@@ -264,15 +279,15 @@ SimplifyReport Simplification::run() {
     around.erase(std::unique(around.begin(), around.end()), around.end());
     for (const uint32_t other : around) push(stays, other);
   }
-  keep_triangles(stands_, mesh_);
+  report.is_vertex_kept = keep_triangles(stands_, mesh_);
   return report;
 }
 
 }  // namespace
 
-SimplifyReport simplify(const SimplifyConfig& config, Mesh& mesh) {
-  if (mesh.triangles.empty()) return {};
-  return Simplification(config, mesh).run();
+SimplifyReport simplify(const SimplifyConfig& config, Mesh& mesh, const std::vector<bool>& is_pinned) {
+  KT_CHECK(is_pinned.empty() || is_pinned.size() == mesh.vertices.size());
+  return Simplification(config, mesh, is_pinned).run();
 }
 
 }  // namespace kt

@@ -3,7 +3,6 @@
 #include "offboard/map/splinters.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace kt {
@@ -45,28 +44,31 @@ class EdgeList {
   std::vector<bool> is_first_;  // by vertex: whether an edge begins there
 };
 
-// The patches of `suspects` that share no edge with other triangles; `uses` counts all that have an edge.
-void drop_loose_patches(const std::vector<Suspect>& suspects, const std::vector<uint32_t>& uses,
-                        std::vector<bool>& stands) {
-  std::vector<uint32_t> patch_of(uses.size()), own_uses(uses.size());
-  std::iota(patch_of.begin(), patch_of.end(), 0u);
-  const auto root = [&](uint32_t edge) {
-    while (patch_of[edge] != edge) edge = patch_of[edge] = patch_of[patch_of[edge]];
-    return edge;
+// Suspects that hang on no other triangle, or only by a long way over suspects; `uses` counts all that have
+// an edge.
+void drop_loose(const std::vector<Suspect>& suspects, const std::vector<uint32_t>& uses,
+                std::vector<bool>& stands) {
+  std::vector<uint32_t> own_uses(uses.size());
+  for (const Suspect& suspect : suspects) {
+    for (const uint32_t edge : suspect.edges) ++own_uses[edge];
+  }
+  std::vector<bool> is_anchored(uses.size());  // by edge
+  for (size_t edge = 0; edge < uses.size(); ++edge) is_anchored[edge] = uses[edge] > own_uses[edge];
+  const auto hangs = [&](const Suspect& suspect) {
+    return std::any_of(suspect.edges.begin(), suspect.edges.end(),
+                       [&](uint32_t edge) { return is_anchored[edge]; });
   };
-  for (const Suspect& suspect : suspects) {
-    for (const uint32_t edge : suspect.edges) {
-      ++own_uses[edge];
-      patch_of[root(edge)] = root(suspect.edges[0]);
+  std::vector<const Suspect*> loose;
+  for (const Suspect& suspect : suspects) loose.push_back(&suspect);
+  for (int round = 0; round < kSplinterRounds && !loose.empty(); ++round) {
+    const auto found =
+        std::partition(loose.begin(), loose.end(), [&](const Suspect* s) { return !hangs(*s); });
+    for (auto suspect = found; suspect != loose.end(); ++suspect) {
+      for (const uint32_t edge : (*suspect)->edges) is_anchored[edge] = true;
     }
+    loose.erase(found, loose.end());
   }
-  std::vector<bool> is_anchored(uses.size());
-  for (uint32_t edge = 0; edge < uses.size(); ++edge) {
-    if (uses[edge] > own_uses[edge]) is_anchored[root(edge)] = true;
-  }
-  for (const Suspect& suspect : suspects) {
-    if (!is_anchored[root(suspect.edges[0])]) stands[suspect.triangle] = false;
-  }
+  for (const Suspect* suspect : loose) stands[suspect->triangle] = false;
 }
 
 }  // namespace
@@ -96,17 +98,21 @@ void drop_splinters(std::span<const Triangle> triangles, const std::vector<bool>
     if (is_suspect[t]) suspects.push_back(suspect);
   }
 
-  const auto falls = [&](const Suspect& suspect) {
-    const auto open =
-        std::count_if(suspect.edges.begin(), suspect.edges.end(), [&](uint32_t e) { return uses[e] == 1; });
-    if (open < 2) return false;
-    for (const uint32_t edge : suspect.edges) --uses[edge];
-    stands[suspect.triangle] = false;
-    return true;
+  const auto is_splinter = [&uses](const Suspect& suspect) {
+    const auto is_open = [&uses](uint32_t edge) { return uses[edge] == 1; };
+    return std::count_if(suspect.edges.begin(), suspect.edges.end(), is_open) >= 2;
   };
-  while (std::erase_if(suspects, falls) > 0) {
+  for (int round = 0; round < kSplinterRounds; ++round) {
+    const auto fallen = std::partition(suspects.begin(), suspects.end(),
+                                       [&](const Suspect& suspect) { return !is_splinter(suspect); });
+    if (fallen == suspects.end()) break;
+    for (auto suspect = fallen; suspect != suspects.end(); ++suspect) {
+      for (const uint32_t edge : suspect->edges) --uses[edge];
+      stands[suspect->triangle] = false;
+    }
+    suspects.erase(fallen, suspects.end());
   }
-  drop_loose_patches(suspects, uses, stands);
+  drop_loose(suspects, uses, stands);
 }
 
 }  // namespace kt

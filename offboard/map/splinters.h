@@ -9,10 +9,15 @@
 
 namespace kt {
 
-/// Of the suspects among the standing triangles, those with two or more open edges fall, until none is left;
-/// then the patches of suspects that share no edge with others. An edge is open where one standing triangle
-/// has it. Which fall does not depend on the order. `triangles` holds indices of welded vertices;
-/// `is_suspect` and `stands` have one entry for each.
+/// So often at most is looked for more of them, each time one triangle farther.
+inline constexpr int kSplinterRounds = 8;
+/// A triangle's fate does not depend on what is farther away than this many cells of the grid it was made in.
+inline constexpr int kSplinterReach = 2 * kSplinterRounds + 2;
+
+/// Of the suspects among the standing triangles, those with two or more open edges fall, all at once, in up
+/// to kSplinterRounds rounds; then the suspects from which no other triangle is reached within as many steps
+/// over common edges. An edge is open where one standing triangle has it. Which fall does not depend on the
+/// order. `triangles` holds indices of welded vertices; `is_suspect` and `stands` have one entry for each.
 void drop_splinters(std::span<const std::array<uint32_t, 3>> triangles, const std::vector<bool>& is_suspect,
                     std::vector<bool>& stands);
 

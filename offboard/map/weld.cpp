@@ -7,8 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include "offboard/map/mesh_parts.h"
-#include "offboard/map/overlap.h"
 #include "shared/core/check.h"
 
 namespace kt {
@@ -94,7 +92,7 @@ SliceVertex joined(const VertexList& vertices, std::span<const KeyedVertex> grou
 
 // Appends the joined vertices to `mesh`; returns for each source its index there.
 std::vector<uint32_t> weld_vertices(const VertexList& vertices, std::span<const CloudSlice> slices,
-                                    Mesh& mesh) {
+                                    WeldedMesh& mesh) {
   std::vector<KeyedVertex> sorted;
   sorted.reserve(vertices.size());
   for (const CloudSlice& slice : slices) {
@@ -110,6 +108,7 @@ std::vector<uint32_t> weld_vertices(const VertexList& vertices, std::span<const 
     }
     const SliceVertex vertex =
         joined(vertices, std::span(sorted).subspan(begin, end - begin), slices.front().voxel_size_m);
+    mesh.keys.push_back(vertex.key);
     mesh.vertices.push_back(vertex.p_odom);
     mesh.normals.push_back(vertex.n_odom);
     mesh.colours.push_back(vertex.colour);
@@ -120,12 +119,18 @@ std::vector<uint32_t> weld_vertices(const VertexList& vertices, std::span<const 
 
 }  // namespace
 
-Mesh weld(std::span<const CloudSlice> slices) {
-  Mesh mesh;
+WeldedMesh weld(std::span<const CloudSlice> slices) {
+  SliceWeights weights;
+  for (const CloudSlice& slice : slices) weights.add(slice);
+  return weld(slices, weights);
+}
+
+WeldedMesh weld(std::span<const CloudSlice> slices, const SliceWeights& weights) {
+  WeldedMesh mesh;
   for (const CloudSlice& slice : slices)
     KT_CHECK(slice.voxel_size_m == slices.front().voxel_size_m, "slices of different grids");
   const VertexList vertices(slices);
-  StandingTriangles stands = one_slice_per_cell(slices);
+  StandingTriangles stands = one_slice_per_cell(slices, weights);
   const std::vector<uint32_t> index_of = weld_vertices(vertices, slices, mesh);
   drop_splinters(slices, index_of, stands);
 
@@ -140,22 +145,8 @@ Mesh weld(std::span<const CloudSlice> slices) {
   }
   std::sort(mesh.triangles.begin(), mesh.triangles.end());
   mesh.triangles.erase(std::unique(mesh.triangles.begin(), mesh.triangles.end()), mesh.triangles.end());
-  drop_unused_vertices(mesh);
+  keep_values(drop_unused_vertices(mesh), mesh.keys);
   return mesh;
-}
-
-Digest mesh_digest(const Mesh& mesh) {
-  Digest digest;
-  const auto add = [&digest](const auto& list) {
-    digest.add(uint64_t{list.size()});
-    digest.add_bytes(list.data(), list.size() * sizeof(list[0]));
-  };
-  add(mesh.vertices);
-  add(mesh.normals);
-  add(mesh.colours);
-  add(mesh.quality);
-  add(mesh.triangles);
-  return digest;
 }
 
 }  // namespace kt

@@ -4,8 +4,8 @@
 
 #include <span>
 
-#include "shared/core/digest.h"
-#include "shared/io/mesh.h"
+#include "offboard/map/mesh_parts.h"
+#include "offboard/map/overlap.h"
 #include "shared/types/cloud_slice.h"
 
 namespace kt {
@@ -23,9 +23,10 @@ inline constexpr float kWeldAgreement = 0.01f;
 /// The mesh is in the frame of the slices, with normals, colours, and the weight as quality; vertices ascend
 /// by key, triangles by their corners, each beginning with its smallest. It depends on the order of `slices`
 /// only where copies differ. Needs fewer than 2^32 vertices in all, and one voxel size.
-Mesh weld(std::span<const CloudSlice> slices);
+WeldedMesh weld(std::span<const CloudSlice> slices);
 
-/// Digest of everything the mesh holds.
-Digest mesh_digest(const Mesh& mesh);
+/// The same with the weights of slices of which `slices` may be parts only: triangles no nearer than
+/// kSplinterReach cells (splinters.h) to where something is left out are those of the whole.
+WeldedMesh weld(std::span<const CloudSlice> slices, const SliceWeights& weights);
 
 }  // namespace kt

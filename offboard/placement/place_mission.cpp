@@ -1,4 +1,4 @@
-// Search, optimise, search again, optimise.
+// Search, optimise, search again; and optimise once more.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/placement/place_mission.h"
 
@@ -16,75 +16,83 @@ std::map<int64_t, size_t> indices_by_sequence(const Trajectory& poses) {
   return indices;
 }
 
-std::vector<int> segments_of(const Trajectory& poses) {
-  std::vector<int> segments;
-  for (const StampedPose& pose : poses) segments.push_back(pose.segment);
-  return segments;
-}
+constexpr double kFirst = 0.7;  // of the work, the first time
 
-constexpr double kSearch = 0.7;  // of the work, the first time
-
-class Placing {
+// The keyframes whose poses are there, and what is known of these.
+class Searched {
  public:
-  Placing(const Session& session, const PlacementConfig& config) : session_(session), config_(config) {
-    for (const StampedPose& pose : session.trajectory) placed_.T_world_camera.push_back(pose.T_odom_camera);
-    placed_.group = segments_of(session.trajectory);
-  }
+  Searched(const Session& session, const LoopSearchConfig& config, int threads)
+      : session_(session), search_(session.header.calibration, keyframes(), config, threads) {}
 
-  PlacedMission run(const std::function<void(double)>& progress) {
-    if (config_.loops == LoopSource::kLog) placed_.candidates = session_.loop_closures;
-    // A log that has lost its session event has lost its camera too.
-    const bool has_camera = session_.header.calibration.problem().empty();
-    if (config_.loops == LoopSource::kSearch && has_camera) {
-      const std::map<int64_t, size_t> indices = indices_by_sequence(session_.trajectory);
-      std::vector<Keyframe> keyframes;
-      std::vector<size_t> at;  // index of the pose of each
-      for (const Keyframe& keyframe : session_.keyframes) {
-        const auto found = indices.find(keyframe.sequence);
-        if (found == indices.end()) continue;  // a damaged log has lost its pose
-        keyframes.push_back(keyframe);
-        at.push_back(found->second);
-      }
-      LoopSearch search(session_.header.calibration, std::move(keyframes), config_.search, config_.threads);
-      look(search, at, [&](double share) { progress(kSearch * share); });
-      optimise_poses();
-      if (placed_.is_optimised())
-        look(search, at, [&](double share) { progress(kSearch + (1 - kSearch) * share); });
+  void look(const PlacedMission& placed, std::vector<LoopClosure>& candidates, const LoopProgress& progress) {
+    std::vector<Pose> T_world_camera;
+    std::vector<int> group;
+    for (const size_t i : at_) {
+      T_world_camera.push_back(placed.T_world_camera[i]);
+      group.push_back(placed.group[i]);
     }
-    optimise_poses();
-    return std::move(placed_);
+    for (LoopClosure& loop : search_.search(T_world_camera, group, progress))
+      candidates.push_back(std::move(loop));
   }
 
  private:
-  void look(LoopSearch& search, const std::vector<size_t>& at, const LoopProgress& progress) {
-    std::vector<Pose> T_world_camera;
-    std::vector<int> group;
-    for (const size_t i : at) {
-      T_world_camera.push_back(placed_.T_world_camera[i]);
-      group.push_back(placed_.group[i]);
+  std::vector<Keyframe> keyframes() {
+    const std::map<int64_t, size_t> indices = indices_by_sequence(session_.trajectory);
+    std::vector<Keyframe> keyframes;
+    for (const Keyframe& keyframe : session_.keyframes) {
+      const auto found = indices.find(keyframe.sequence);
+      if (found == indices.end()) continue;  // a damaged log has lost its pose
+      keyframes.push_back(keyframe);
+      at_.push_back(found->second);
     }
-    for (LoopClosure& loop : search.search(T_world_camera, group, progress))
-      placed_.candidates.push_back(std::move(loop));
-  }
-
-  void optimise_poses() {
-    placed_.measured = mission_graph(session_.trajectory, placed_.candidates);
-    if (placed_.measured.loop_edges.empty()) return;
-    placed_.solution = optimise(placed_.measured.graph, placed_.measured.loop_edges, config_.graph);
-    placed_.T_world_camera = placed_.solution.T_world_node;
-    placed_.group = placed_.solution.components.of_node;
+    return keyframes;
   }
 
   const Session& session_;
-  const PlacementConfig& config_;
-  PlacedMission placed_;
+  std::vector<size_t> at_;  // index of the pose of each keyframe
+  LoopSearch search_;
 };
 
 }  // namespace
 
-PlacedMission place_mission(const Session& session, const PlacementConfig& config,
-                            const std::function<void(double)>& progress) {
-  return Placing(session, config).run(progress);
+std::vector<LoopClosure> find_loops(const Session& session, const LoopConfig& config, int threads,
+                                    const std::function<void(double)>& progress) {
+  if (config.source == LoopSource::kLog) return session.loop_closures;
+  // A log that has lost its session event has lost its camera too.
+  if (config.source == LoopSource::kNone || !session.header.calibration.problem().empty()) return {};
+  std::vector<LoopClosure> candidates;
+  Searched searched(session, config.search, threads);
+  searched.look(placed_mission(session, {}, {}, {}), candidates,
+                [&](double share) { progress(kFirst * share); });
+  MissionGraph measured = mission_graph(session.trajectory, candidates);
+  OptimisedGraph solution = solve_mission(measured, {});
+  const PlacedMission placed = placed_mission(session, {}, std::move(measured), std::move(solution));
+  if (placed.is_optimised())
+    searched.look(placed, candidates, [&](double share) { progress(kFirst + (1 - kFirst) * share); });
+  return candidates;
+}
+
+OptimisedGraph solve_mission(const MissionGraph& measured, const PoseGraphOptions& options) {
+  if (measured.loop_edges.empty()) return {};
+  return optimise(measured.graph, measured.loop_edges, options);
+}
+
+PlacedMission placed_mission(const Session& session, std::vector<LoopClosure> candidates,
+                             MissionGraph measured, OptimisedGraph solution) {
+  PlacedMission placed;
+  placed.candidates = std::move(candidates);
+  placed.measured = std::move(measured);
+  placed.solution = std::move(solution);
+  if (placed.is_optimised()) {
+    placed.T_world_camera = placed.solution.T_world_node;
+    placed.group = placed.solution.components.of_node;
+    return placed;
+  }
+  for (const StampedPose& pose : session.trajectory) {
+    placed.T_world_camera.push_back(pose.T_odom_camera);
+    placed.group.push_back(pose.segment);
+  }
+  return placed;
 }
 
 }  // namespace kt

@@ -19,11 +19,9 @@ enum class LoopSource {
   kNone,
 };
 
-struct PlacementConfig {
-  LoopSource loops = LoopSource::kSearch;
+struct LoopConfig {
+  LoopSource source = LoopSource::kSearch;
   LoopSearchConfig search{};
-  PoseGraphOptions graph{};
-  int threads = 0;
 };
 
 struct PlacedMission {
@@ -35,9 +33,18 @@ struct PlacedMission {
   bool is_optimised() const { return !solution.T_world_node.empty(); }
 };
 
-/// Finds loop closures and optimises the pose graph; searches twice, for better poses show what else is near.
-/// The first good pose of each group stands where odometry has it; without loops all do, to the bit.
-PlacedMission place_mission(const Session& session, const PlacementConfig& config,
-                            const std::function<void(double share)>& progress);
+/// All candidates for loop closures that were compared, with the verdict of the proof. A search looks twice:
+/// better poses, for which it optimises the graph with the usual options, show what else is near. The result
+/// does not depend on the number of threads.
+std::vector<LoopClosure> find_loops(const Session& session, const LoopConfig& config, int threads,
+                                    const std::function<void(double share)>& progress);
+
+/// `measured` optimised; an empty solution where no loop was accepted.
+OptimisedGraph solve_mission(const MissionGraph& measured, const PoseGraphOptions& options);
+
+/// Where a solution has put every frame. The first good pose of each group stands where odometry has it;
+/// without loops all do, to the bit.
+PlacedMission placed_mission(const Session& session, std::vector<LoopClosure> candidates,
+                             MissionGraph measured, OptimisedGraph solution);
 
 }  // namespace kt

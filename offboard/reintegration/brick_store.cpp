@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/reintegration/brick_store.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fcntl.h>
-#include <unistd.h>
+#include <algorithm>
 #include <utility>
 
 #include "shared/core/check.h"
@@ -14,51 +11,52 @@ namespace kt {
 namespace {
 
 constexpr auto kBytes = static_cast<int64_t>(sizeof(StoredBrick));
+constexpr int32_t kInBlock = kBlockSide - 1;  // mask of the lowest bits
+constexpr int kLog2BlockSide = 2;
+static_assert(1 << kLog2BlockSide == kBlockSide);
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
-  throw Error(path.string() + ": " + what + ": " + std::strerror(errno) +
-              "; it holds the voxels of the whole map, choose an --output with room for it");
+size_t index_in_block(Vec3i brick) {
+  return static_cast<size_t>(((brick.z & kInBlock) * kBlockSide + (brick.y & kInBlock)) * kBlockSide +
+                             (brick.x & kInBlock));
 }
 
 }  // namespace
 
-BrickStore::BrickStore(std::filesystem::path file) : path_(std::move(file)) {
-  file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file_ < 0) fail(path_, "cannot be made");
-}
-
-BrickStore::~BrickStore() {
-  close(file_);
-  std::error_code ignored;
-  std::filesystem::remove(path_, ignored);
-}
+BrickStore::BrickStore(std::filesystem::path file) : file_(std::move(file), "the voxels of the whole map") {}
 
 void BrickStore::put(std::span<const StoredBrick> bricks) {
   for (const StoredBrick& stored : bricks) {
-    const auto [at, is_new] = places_.try_emplace({stored.brick.z, stored.brick.y, stored.brick.x});
-    if (is_new && free_.empty()) {
-      at->second = end_++;
-    } else if (is_new) {
-      at->second = free_.back();
+    const Vec3i b = stored.brick;
+    const auto [at, is_new] =
+        blocks_.try_emplace({b.z >> kLog2BlockSide, b.y >> kLog2BlockSide, b.x >> kLog2BlockSide});
+    if (is_new) at->second.fill(kNone);
+    uint32_t& place = at->second[index_in_block(b)];
+    if (place == kNone && free_.empty()) {
+      KT_CHECK(end_ < kNone, "too many bricks");
+      place = end_++;
+    } else if (place == kNone) {
+      place = free_.back();
       free_.pop_back();
     }
-    const auto* bytes = reinterpret_cast<const char*>(&stored);
-    for (int64_t done = 0; done < kBytes;) {
-      const ssize_t count =
-          pwrite(file_, bytes + done, static_cast<size_t>(kBytes - done), at->second * kBytes + done);
-      if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) fail(path_, "cannot be written");
-      done += count;
-    }
+    file_.write_at(place * kBytes, std::as_bytes(std::span(&stored, 1)));
   }
 }
 
-template <typename Visit>
-void BrickStore::for_each_within(const VoxelBounds& bounds, const Visit& visit) const {
-  auto at = places_.lower_bound({bounds.low.z >> kLog2BrickSide, INT32_MIN, INT32_MIN});
-  while (at != places_.end() && at->first[0] * kBrickSide < bounds.high.z) {
-    const auto [key, place] = *at++;  // the visitor may erase it
-    if (bounds.contains({key[2] * kBrickSide, key[1] * kBrickSide, key[0] * kBrickSide})) visit(key, place);
+// Calls visit(place) for each brick within.
+template <typename Blocks, typename Visit>
+void BrickStore::for_each_within(Blocks& blocks, const VoxelBounds& bounds, const Visit& visit) {
+  auto at = blocks.lower_bound({bounds.low.z >> (kLog2BlockSide + kLog2BrickSide), INT32_MIN, INT32_MIN});
+  for (; at != blocks.end() && at->first[0] * kBlockVoxels < bounds.high.z; ++at) {
+    auto& [key, places] = *at;
+    for (size_t i = 0; i < places.size(); ++i) {
+      if (places[i] == kNone) continue;
+      const auto k = static_cast<int32_t>(i);
+      const Vec3i brick{key[2] * kBlockSide + (k & kInBlock),
+                        key[1] * kBlockSide + (k / kBlockSide & kInBlock),
+                        key[0] * kBlockSide + k / (kBlockSide * kBlockSide)};
+      if (bounds.contains({brick.x * kBrickSide, brick.y * kBrickSide, brick.z * kBrickSide}))
+        visit(places[i]);
+    }
   }
 }
 
@@ -66,15 +64,8 @@ void BrickStore::read(const VoxelBounds& bounds,
                       const std::function<void(std::span<const StoredBrick>)>& visit) const {
   constexpr size_t kAtOnce = 4096;
   std::vector<StoredBrick> bricks;
-  for_each_within(bounds, [&](const Key&, int64_t place) {
-    auto* bytes = reinterpret_cast<char*>(&bricks.emplace_back());
-    for (int64_t done = 0; done < kBytes;) {
-      const ssize_t count =
-          pread(file_, bytes + done, static_cast<size_t>(kBytes - done), place * kBytes + done);
-      if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) fail(path_, "cannot be read");
-      done += count;
-    }
+  for_each_within(blocks_, bounds, [&](uint32_t place) {
+    file_.read_at(place * kBytes, std::as_writable_bytes(std::span(&bricks.emplace_back(), 1)));
     if (bricks.size() < kAtOnce) return;
     visit(bricks);
     bricks.clear();
@@ -83,15 +74,19 @@ void BrickStore::read(const VoxelBounds& bounds,
 }
 
 void BrickStore::erase(const VoxelBounds& bounds) {
-  for_each_within(bounds, [this](const Key& key, int64_t place) {
+  for_each_within(blocks_, bounds, [this](uint32_t& place) {
     free_.push_back(place);
-    places_.erase(key);
+    place = kNone;
+  });
+  std::erase_if(blocks_, [](const auto& block) {
+    return std::all_of(block.second.begin(), block.second.end(),
+                       [](uint32_t place) { return place == kNone; });
   });
 }
 
-std::vector<Vec3i> BrickStore::bricks() const {
+std::vector<Vec3i> BrickStore::blocks() const {
   std::vector<Vec3i> all;
-  for (const auto& [key, place] : places_) all.push_back({key[2], key[1], key[0]});
+  for (const auto& [key, places] : blocks_) all.push_back({key[2], key[1], key[0]});
   return all;
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "onboard/fusion/stored_brick_kernel.h"
+#include "shared/core/scratch_file.h"
 
 namespace kt {
 
@@ -18,31 +19,30 @@ class BrickStore {
  public:
   /// Makes the file, or replaces it; it is removed again in the end. Throws kt::Error where it cannot.
   explicit BrickStore(std::filesystem::path file);
-  ~BrickStore();
-  BrickStore(const BrickStore&) = delete;
-  BrickStore& operator=(const BrickStore&) = delete;
 
   /// Keeps bricks; one that is there already is replaced. Throws kt::Error for a full disk.
   void put(std::span<const StoredBrick> bricks);
 
-  /// Hands over those that begin in a box of global voxels, some at a time, ascending by z, y and x.
+  /// Hands over those that begin in a box of global voxels, some at a time, ascending by the z, y and x of
+  /// their blocks (kBlockSide), and of the bricks within.
   void read(const VoxelBounds& bounds, const std::function<void(std::span<const StoredBrick>)>& visit) const;
   /// Forgets them.
   void erase(const VoxelBounds& bounds);
 
-  /// All there are, by their global bricks; in the same order.
-  std::vector<Vec3i> bricks() const;
+  /// The global blocks that hold any, in the same order.
+  std::vector<Vec3i> blocks() const;
 
  private:
+  static constexpr uint32_t kNone = ~uint32_t{0};
   using Key = std::array<int32_t, 3>;  // z, y, x
-  template <typename Visit>
-  void for_each_within(const VoxelBounds& bounds, const Visit& visit) const;
+  using Places = std::array<uint32_t, size_t{kBlockSide} * kBlockSide * kBlockSide>;
+  template <typename Blocks, typename Visit>
+  static void for_each_within(Blocks& blocks, const VoxelBounds& bounds, const Visit& visit);
 
-  std::filesystem::path path_;
-  int file_ = -1;
-  std::map<Key, int64_t> places_;  // in the file, counted in bricks
-  std::vector<int64_t> free_;      // of those that were erased
-  int64_t end_ = 0;
+  ScratchFile file_;
+  std::map<Key, Places> blocks_;  // where their bricks are in the file, counted in bricks
+  std::vector<uint32_t> free_;    // places of bricks that were erased
+  uint32_t end_ = 0;
 };
 
 }  // namespace kt

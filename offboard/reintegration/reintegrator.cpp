@@ -6,6 +6,7 @@
 #include <set>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace kt {
 namespace {
@@ -17,27 +18,14 @@ Vec3i voxel_of(Vec3i brick) { return {brick.x * kBrickSide, brick.y * kBrickSide
 Vec3i uniform(int x) { return {x, x, x}; }
 
 // What `cells` owns of a slice.
-CloudSlice part_of(const CloudSlice& slice, const VoxelBounds& cells) {
-  CloudSlice part;
-  part.voxel_size_m = slice.voxel_size_m;
-  constexpr auto kUnused = ~uint32_t{0};
-  std::vector<uint32_t> index(slice.vertices.size(), kUnused);
-  for (const auto& triangle : slice.triangles) {
-    if (!cells.contains(owning_cell({slice.vertices[triangle[0]].key, slice.vertices[triangle[1]].key,
-                                     slice.vertices[triangle[2]].key})))
-      continue;
-    part.triangles.push_back(triangle);
-    for (const uint32_t corner : triangle) index[corner] = 0;
+CloudSlice part_within(const CloudSlice& slice, const VoxelBounds& cells) {
+  std::vector<uint32_t> triangles;
+  for (uint32_t t = 0; t < slice.triangles.size(); ++t) {
+    const auto [a, b, c] = slice.triangles[t];
+    if (cells.contains(owning_cell({slice.vertices[a].key, slice.vertices[b].key, slice.vertices[c].key})))
+      triangles.push_back(t);
   }
-  for (size_t i = 0; i < index.size(); ++i) {
-    if (index[i] == kUnused) continue;
-    index[i] = static_cast<uint32_t>(part.vertices.size());
-    part.vertices.push_back(slice.vertices[i]);
-  }
-  for (auto& triangle : part.triangles) {
-    for (uint32_t& corner : triangle) corner = index[corner];
-  }
-  return part;
+  return part_of(slice, triangles);
 }
 
 }  // namespace
@@ -93,8 +81,10 @@ CloudSlice Reintegrator::tile_at(Vec3i low_brick) {
   volume_.move_to(origin, [](auto) {});
   store_.read(bounds_at(origin), [this](auto bricks) { volume_.put(bricks); });
   const Vec3i low = voxel_of(low_brick);
-  return part_of(volume_.flush(), {low, low + uniform(kBrickSide * owned_bricks())});
+  return part_within(volume_.flush(), {low, low + uniform(kBrickSide * owned_bricks())});
 }
+
+int Reintegrator::tile_side() const { return owned_bricks() * kBrickSide; }
 
 int Reintegrator::owned_bricks() const { return config_.volume.resolution / kBrickSide - 2 * kBlockSide; }
 
@@ -103,8 +93,10 @@ void Reintegrator::extract(const std::function<void(CloudSlice)>& take,
   volume_.take_all([this](auto bricks) { store_.put(bricks); });
   const int owned = owned_bricks();
   std::set<std::tuple<int, int, int>> tiles;
-  for (const Vec3i b : store_.bricks())
-    tiles.emplace(floor_div(b.z, owned), floor_div(b.y, owned), floor_div(b.x, owned));
+  for (const Vec3i b : store_.blocks()) {
+    tiles.emplace(floor_div(b.z * kBlockSide, owned), floor_div(b.y * kBlockSide, owned),
+                  floor_div(b.x * kBlockSide, owned));
+  }
   int64_t sequence = 0;
   for (const auto& [z, y, x] : tiles) {
     CloudSlice slice = tile_at({x * owned, y * owned, z * owned});

@@ -21,7 +21,7 @@ struct ReintegrationConfig {
 
 /// The collector's integrator in a volume that follows the camera; bricks that leave it wait in a file until
 /// the camera comes back, with all that was known of their surface. Memory does not grow with the map but for
-/// a list of its bricks.
+/// a list of its blocks of bricks, some 300 bytes each.
 class Reintegrator {
  public:
   /// `scratch`: the file, some 6 kB for each cube of 8 voxels with surface; removed in the end. Throws
@@ -36,8 +36,12 @@ class Reintegrator {
   /// Whether the frame that was fused last shows the depth that a keyframe has kept of it (Keyframe::depth).
   bool shows(const Image<uint16_t>& keyframe_depth) const;
 
+  /// The side of a tile in voxels: each is a cube of the grid, at multiples of it.
+  int tile_side() const;
+
   /// Hands over the surface, tile by tile, ascending by z, y and x: slices in the world frame that weld
-  /// without gap, each cell in one of them; is told the share done. Call once, after the last frame.
+  /// without gap, each cell in the one of its tile, each at most once; is told the share done. Call once,
+  /// after the last frame.
   void extract(const std::function<void(CloudSlice)>& take, const std::function<void(double)>& progress);
 
  private:

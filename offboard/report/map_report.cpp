@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <map>
 #include <set>
 
 #include "nlohmann/json.hpp"
 
-#include "offboard/map/weld.h"
 #include "offboard/session/integrity_report.h"
 
 namespace kt {
@@ -42,29 +43,25 @@ Json trajectory_json(const Trajectory& trajectory) {
 }
 
 Json slices_json(std::span<const GroupMap> groups) {
-  size_t count = 0, vertices = 0, triangles = 0;
+  uint64_t count = 0, vertices = 0, triangles = 0;
   for (const GroupMap& map : groups) {
     for (const Segment& segment : map.group.segments) {
       count += segment.slices.size();
-      for (const CloudSlice& slice : segment.slices)
-        vertices += slice.vertices.size(), triangles += slice.triangles.size();
+      for (const SliceInfo& slice : segment.slices) vertices += slice.vertices, triangles += slice.triangles;
     }
   }
   return {{"count", count}, {"vertices", vertices}, {"triangles", triangles}};
 }
 
-Json map_json(const Mesh& map) {
-  Json json = {{"vertices", map.vertices.size()}, {"triangles", map.triangles.size()}};
-  if (!map.vertices.empty()) {
-    Vec3f low = map.vertices.front(), high = low;
-    for (const Vec3f& p : map.vertices) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
+Json map_json(const StoredMesh& map) {
+  Json json = {{"vertices", map.vertices()}, {"triangles", map.triangles()}};
+  const MeshStream mesh = map.stream();
+  if (map.vertices() > 0) {
+    const auto [low, high] = bounds_of(mesh);
     json["low_m"] = {low.x, low.y, low.z};
     json["high_m"] = {high.x, high.y, high.z};
   }
-  json["digest"] = mesh_digest(map).hex();
+  json["digest"] = mesh_digest(mesh).hex();
   return json;
 }
 
@@ -88,8 +85,73 @@ Json loops_json(const std::vector<LoopClosure>& loops) {
           {"funnel", funnel}};
 }
 
+// What edges of one kind miss by, summed over them.
+struct Residuals {
+  int64_t edges = 0;
+  double chi2_before = 0, chi2_after = 0, squares_before_m2 = 0, squares_after_m2 = 0;
+  double squares_before_rad2 = 0, squares_after_rad2 = 0;
+
+  static void add(const Pose& T_error, double& m2, double& rad2) {
+    m2 += T_error.translation().squaredNorm();
+    rad2 += rotation_angle(T_error) * rotation_angle(T_error);
+  }
+  Json json() const {
+    const auto rms = [this](double squares) {
+      return std::sqrt(squares / static_cast<double>(std::max<int64_t>(1, edges)));
+    };
+    return {{"edges", edges},
+            {"chi2_before", chi2_before},
+            {"chi2_after", chi2_after},
+            {"rms_before_m", rms(squares_before_m2)},
+            {"rms_after_m", rms(squares_after_m2)},
+            {"rms_before_rad", rms(squares_before_rad2)},
+            {"rms_after_rad", rms(squares_after_rad2)}};
+  }
+};
+
+// Before, segments stand in frames of their own: edges between two of them are counted apart.
+Json residuals_json(const PlacedMission& placed, std::span<const GroupMap> groups) {
+  std::map<int64_t, int> segments;  // by sequence
+  for (const GroupMap& map : groups) {
+    for (const Segment& segment : map.group.segments) {
+      for (const StampedPose& pose : segment.trajectory) segments.emplace(pose.sequence, segment.number);
+    }
+  }
+  const PoseGraph& graph = placed.measured.graph;
+  std::map<int64_t, size_t> nodes;  // by id
+  for (size_t i = 0; i < graph.nodes.size(); ++i) nodes.emplace(graph.nodes[i].id, i);
+  std::vector<char> is_loop(graph.edges.size(), false);
+  for (const size_t edge : placed.measured.loop_edges) is_loop[edge] = true;
+  Residuals odometry, accepted, rejected;
+  int64_t between_segments = 0;
+  for (size_t e = 0; e < graph.edges.size(); ++e) {
+    const PoseGraph::Edge& edge = graph.edges[e];
+    if (segments[edge.from] != segments[edge.to]) {
+      ++between_segments;
+      continue;
+    }
+    const OptimisedEdge& solved = placed.solution.edges[e];
+    Residuals& sum = !is_loop[e] ? odometry : solved.weight > 0 ? accepted : rejected;
+    const size_t from = nodes.at(edge.from), to = nodes.at(edge.to);
+    const auto error = [&](const Pose& T_world_from, const Pose& T_world_to) {
+      return Pose(edge.T_from_to.inverse() * T_world_from.inverse() * T_world_to);
+    };
+    Residuals::add(error(graph.nodes[from].T_world_node, graph.nodes[to].T_world_node), sum.squares_before_m2,
+                   sum.squares_before_rad2);
+    Residuals::add(error(placed.solution.T_world_node[from], placed.solution.T_world_node[to]),
+                   sum.squares_after_m2, sum.squares_after_rad2);
+    ++sum.edges;
+    sum.chi2_before += solved.chi2_before;
+    sum.chi2_after += solved.chi2_after;
+  }
+  return {{"odometry", odometry.json()},
+          {"accepted_loops", accepted.json()},
+          {"rejected_loops", rejected.json()},
+          {"edges_between_segments", between_segments}};
+}
+
 // How far the optimised poses are from where odometry had them, and what became of the closures in it.
-Json optimisation_json(const PlacedMission& placed) {
+Json optimisation_json(const PlacedMission& placed, std::span<const GroupMap> groups) {
   if (!placed.is_optimised()) return nullptr;
   const OptimisedGraph& solution = placed.solution;
   Json outcomes = Json::object();
@@ -108,6 +170,7 @@ Json optimisation_json(const PlacedMission& placed) {
     correction_rad = std::max(correction_rad, rotation_angle(change));
   }
   return {{"loops", outcomes},
+          {"residuals", residuals_json(placed, groups)},
           {"objective_before", solution.objective_before},
           {"objective_after", solution.objective_after},
           {"iterations", solution.iterations},
@@ -119,17 +182,17 @@ Json optimisation_json(const PlacedMission& placed) {
 }
 
 // Gains of the frames' levels against their mean exposure: red, green, blue.
-Json exposure_json(const std::optional<FrameGains>& gains) {
-  if (!gains) return nullptr;
-  return {{"applied", gains->are_applied},
-          {"frames", gains->log_gains.size()},
-          {"views", gains->views},
-          {"pairs", gains->pairs},
-          {"held_back", gains->held_back},
-          {"disagreement_before", gains->disagreement_before},
-          {"disagreement_after", gains->disagreement_after},
-          {"lowest_gain", gains->lowest()},
-          {"highest_gain", gains->highest()}};
+Json exposure_json(const ExposureFigures& exposure) {
+  if (exposure.frames == 0) return nullptr;
+  return {{"applied", exposure.are_applied},
+          {"frames", exposure.frames},
+          {"views", exposure.views},
+          {"pairs", exposure.pairs},
+          {"held_back", exposure.held_back},
+          {"disagreement_before", exposure.disagreement_before},
+          {"disagreement_after", exposure.disagreement_after},
+          {"lowest_gain", exposure.lowest_gain},
+          {"highest_gain", exposure.highest_gain}};
 }
 
 Json group_json(const GroupMap& map) {
@@ -146,11 +209,11 @@ Json group_json(const GroupMap& map) {
           {"first_us", is_empty ? Json() : Json(trajectory.front().timestamp_us)},
           {"last_us", is_empty ? Json() : Json(trajectory.back().timestamp_us)},
           {"surface", map.surface == SurfaceSource::kFrames ? "frames" : "slices"},
-          {"vertices", map.map.vertices.size()},
-          {"triangles", map.map.triangles.size()},
+          {"vertices", map.map.mesh->vertices()},
+          {"triangles", map.map.mesh->triangles()},
           {"in_place", map.is_in_place},
-          {"exposure", exposure_json(map.gains)},
-          {"dropped_islands", map.islands.dropped_islands},
+          {"exposure", exposure_json(map.exposure)},
+          {"dropped_islands", map.map.islands.dropped_islands},
           {"path_length_m", path_length_m(trajectory)},
           {"folder", map.folder.empty() ? Json() : Json(map.folder)}};
 }
@@ -159,6 +222,26 @@ Json segments_json(std::span<const GroupMap> groups, size_t main) {
   Json list = Json::array();
   for (const GroupMap& map : groups) list.push_back(group_json(map));
   return {{"main", groups[main].group.number()}, {"list", list}};
+}
+
+// The files, and one digest of them all.
+Json files_json(std::span<const MapFile> files, Digest& all) {
+  Json list = Json::array();
+  for (const MapFile& file : files) {
+    list.push_back({{"name", file.name}, {"bytes", file.bytes}, {"digest", file.digest}});
+    for (const std::string& text : {file.name, file.digest}) all.add_bytes(text.c_str(), text.size() + 1);
+  }
+  return list;
+}
+
+Json run_json(const RunFigures& run) {
+  Json stages = Json::array();
+  for (const StageDone& stage : run.stages)
+    stages.push_back({{"name", stage.name},
+                      {"seconds", stage.seconds},
+                      {"from_file", stage.is_from_file},
+                      {"seconds_to_make", stage.seconds_to_make}});
+  return {{"logs", run.logs}, {"stages", stages}, {"peak_memory_bytes", run.peak_memory_bytes}};
 }
 
 }  // namespace
@@ -173,9 +256,9 @@ double path_length_m(const Trajectory& trajectory) {
 }
 
 std::string map_report(const Session& session, const PlacedMission& placed, std::span<const GroupMap> groups,
-                       size_t main, const RunFigures& run) {
-  Json steps;
-  for (const auto& [name, seconds] : run.steps_s) steps[name] = seconds;
+                       size_t main, std::span<const MapFile> files, const RunFigures& run) {
+  Digest content;
+  const Json list = files_json(files, content);
   const Json report = {
       {"collector", session.header.program_version},
       {"calibration", session.header.calibration.name},
@@ -186,11 +269,13 @@ std::string map_report(const Session& session, const PlacedMission& placed, std:
       {"keyframes", session.keyframes.size()},
       {"loop_closures", loops_json(placed.candidates)},
       {"loop_closures_of_collector", loops_json(session.loop_closures)},
-      {"optimisation", optimisation_json(placed)},
+      {"optimisation", optimisation_json(placed, groups)},
       {"slices", slices_json(groups)},
-      {"map", map_json(groups[main].map)},
+      {"map", map_json(*groups[main].map.mesh)},
       {"segments", segments_json(groups, main)},
-      {"run", {{"logs", run.logs}, {"steps_s", steps}, {"peak_memory_bytes", run.peak_memory_bytes}}},
+      {"files", list},
+      {"digest", content.hex()},
+      {"run", run_json(run)},
   };
   // A name in the log may hold bytes that are no UTF-8.
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -4,24 +4,23 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "offboard/exposure/frame_gains.h"
-#include "offboard/map/islands.h"
+#include "offboard/map/mesh_of_tiles.h"
 #include "offboard/placement/groups.h"
-#include "shared/io/mesh.h"
+#include "offboard/stages/stage_runner.h"
 #include "shared/types/session.h"
 
 namespace kt {
 
 /// What depends on machine and moment.
 struct RunFigures {
-  std::vector<std::string> logs;                        ///< paths as given
-  std::vector<std::pair<std::string, double>> steps_s;  ///< wall time of each step
+  std::vector<std::string> logs;  ///< paths as given
+  std::vector<StageDone> stages;  ///< in their order
   int64_t peak_memory_bytes = 0;
 };
 
@@ -34,14 +33,20 @@ enum class SurfaceSource {
 /// A group of segments, the map made of it, and where that stands.
 struct GroupMap {
   Group group;
-  Mesh map;
+  MapMesh map;
   SurfaceSource surface = SurfaceSource::kSlices;
   /// False where bending the slices to the poses would have torn them: a segment's stand where odometry has
   /// them.
   bool is_in_place = true;
-  IslandReport islands;
   std::string folder;  ///< within the output folder: "." for the main group; "" where nothing is written
-  std::optional<FrameGains> gains{};  ///< of frames fused anew, where they were looked for
+  ExposureFigures exposure{};  ///< of frames fused anew
+};
+
+/// A file of the map, as it was written.
+struct MapFile {
+  std::string name;  ///< within the output folder
+  int64_t bytes = 0;
+  std::string digest;  ///< of its content
 };
 
 /// Metres from pose to pose.
@@ -51,6 +56,6 @@ double path_length_m(const Trajectory& trajectory);
 /// mission: `session` without its poses and slices, which the groups hold. All but "run" is the same for
 /// every run over the same log.
 std::string map_report(const Session& session, const PlacedMission& placed, std::span<const GroupMap> groups,
-                       size_t main, const RunFigures& run);
+                       size_t main, std::span<const MapFile> files, const RunFigures& run);
 
 }  // namespace kt

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "shared/core/check.h"
+#include "shared/wire/message_reader.h"
 
 namespace kt {
 namespace {
@@ -17,30 +20,27 @@ void append(std::vector<T>& to, std::vector<T>&& more) {
   std::move(more.begin(), more.end(), std::back_inserter(to));
 }
 
-// The first number that a mission does not use.
-struct Ends {
-  int64_t sequence = 0, slice = 0, loop = 0;
-  int segment = 0;
-
-  explicit Ends(const Session& session) {
-    const auto after = [](auto& end, auto number) { end = std::max(end, number + 1); };
-    for (const StampedPose& pose : session.trajectory) {
-      after(sequence, pose.sequence);
-      after(segment, pose.segment);
-    }
-    for (const Keyframe& keyframe : session.keyframes) {
-      after(sequence, keyframe.sequence);
-      after(segment, keyframe.segment);
-    }
-    for (const CloudSlice& one : session.slices) {
-      after(slice, one.sequence);
-      after(segment, one.segment);
-    }
-    for (const LoopClosure& closure : session.loop_closures) after(loop, closure.sequence);
+// The first numbers that a mission does not use.
+Renumbering behind(const Session& session) {
+  Renumbering ends;
+  const auto after = [](auto& end, auto number) { end = std::max(end, number + 1); };
+  for (const StampedPose& pose : session.trajectory) {
+    after(ends.sequence, pose.sequence);
+    after(ends.segment, pose.segment);
   }
-};
+  for (const Keyframe& keyframe : session.keyframes) {
+    after(ends.sequence, keyframe.sequence);
+    after(ends.segment, keyframe.segment);
+  }
+  for (const SliceInfo& slice : session.slices) {
+    after(ends.slice, slice.sequence);
+    after(ends.segment, slice.segment);
+  }
+  for (const LoopClosure& closure : session.loop_closures) after(ends.loop, closure.sequence);
+  return ends;
+}
 
-void renumber(Session& session, const Ends& by) {
+void renumber(Session& session, const Renumbering& by) {
   for (StampedPose& pose : session.trajectory) {
     pose.sequence += by.sequence;
     pose.from_sequence += by.sequence;
@@ -50,10 +50,9 @@ void renumber(Session& session, const Ends& by) {
     keyframe.sequence += by.sequence;
     keyframe.segment += by.segment;
   }
-  for (CloudSlice& slice : session.slices) {
+  for (SliceInfo& slice : session.slices) {
     slice.sequence += by.slice;
     slice.segment += by.segment;
-    for (SliceVertex& vertex : slice.vertices) vertex.pose_sequence += static_cast<uint32_t>(by.sequence);
   }
   for (LoopClosure& loop : session.loop_closures) {
     loop.sequence += by.loop;
@@ -78,14 +77,13 @@ void check_alike(const Session& first, const Session& other, size_t number) {
 
 JoinedSession join_sessions(std::vector<Session> sessions) {
   KT_CHECK(!sessions.empty());
-  JoinedSession joined{std::move(sessions.front()), {0}};
+  JoinedSession joined{std::move(sessions.front()), {{}}};
   Session& all = joined.session;
   for (size_t i = 1; i < sessions.size(); ++i) {
     Session& next = sessions[i];
     check_alike(all, next, i);
-    const Ends ends(all);
-    joined.first_sequences.push_back(ends.sequence);
-    renumber(next, ends);
+    joined.missions.push_back(behind(all));
+    renumber(next, joined.missions.back());
     append(all.trajectory, std::move(next.trajectory));
     append(all.keyframes, std::move(next.keyframes));
     append(all.slices, std::move(next.slices));
@@ -102,6 +100,26 @@ JoinedSession join_sessions(std::vector<Session> sessions) {
     all.integrity.final_slice_missing |= more.final_slice_missing;
   }
   return joined;
+}
+
+void load_slices(std::span<const MissionLog> logs, const std::function<void(CloudSlice&&)>& take) {
+  for (const MissionLog& log : logs) {
+    MessageReader reader(log.path);
+    reader.skip<StampedPose>();
+    reader.skip<Keyframe>();
+    reader.skip<LoopClosure>();
+    reader.skip<CompressedFrame>();
+    reader.skip<MotionSample>();
+    while (std::optional<Message> message = reader.next()) {
+      auto* slice = std::get_if<CloudSlice>(&*message);
+      if (slice == nullptr) continue;
+      slice->sequence += log.numbers.slice;
+      slice->segment += log.numbers.segment;
+      for (SliceVertex& vertex : slice->vertices)
+        vertex.pose_sequence += static_cast<uint32_t>(log.numbers.sequence);
+      take(std::move(*slice));
+    }
+  }
 }
 
 }  // namespace kt

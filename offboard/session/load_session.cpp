@@ -47,7 +47,7 @@ struct Gatherer {
     if (!session.slices.empty() && slice.voxel_size_m != session.slices.front().voxel_size_m) {
       throw Error(path.string() + ": its slices differ in voxel size, so they are not of one mission");
     }
-    session.slices.push_back(std::move(slice));
+    session.slices.push_back(SliceInfo::of(slice));
   }
   void operator()(Keyframe&& keyframe) { session.keyframes.push_back(std::move(keyframe)); }
   void operator()(LoopClosure&& loop) { session.loop_closures.push_back(std::move(loop)); }
@@ -56,23 +56,54 @@ struct Gatherer {
   void operator()(MotionSample&&) {}
 };
 
-}  // namespace
-
-Session load_session(const std::filesystem::path& path, const Progress& progress) {
-  MessageReader reader(path);
-  reader.skip<CompressedFrame>();
-  reader.skip<MotionSample>();
-  Gatherer gatherer{path};
-  while (std::optional<Message> message = reader.next()) {
-    std::visit([&gatherer](auto&& m) { gatherer(std::move(m)); }, std::move(*message));
-    if (progress) progress(static_cast<double>(reader.position()) / static_cast<double>(reader.size()));
-  }
+// What the gatherer has, once it has all.
+Session session_of(Gatherer&& gatherer, const LogIntegrity& of_log) {
   LogIntegrity& integrity = gatherer.session.integrity;
-  integrity = reader.integrity();
+  integrity = of_log;
   integrity.events -= gatherer.stray_poses;
   integrity.damaged_events += gatherer.stray_poses;
   if (!gatherer.has_header) gatherer.make_up_header(integrity);
   return std::move(gatherer.session);
+}
+
+void give(Gatherer& gatherer, Message&& message) {
+  std::visit([&gatherer](auto&& m) { gatherer(std::move(m)); }, std::move(message));
+}
+
+}  // namespace
+
+Session load_session(const std::filesystem::path& path, const Progress& progress, LogIndex* index) {
+  MessageReader reader(path);
+  reader.skip<CompressedFrame>();
+  reader.skip<MotionSample>();
+  Gatherer gatherer{path};
+  LogIndex found;
+  while (std::optional<Message> message = reader.next()) {
+    if (!std::holds_alternative<CloudSlice>(*message)) found.positions.push_back(reader.event_position());
+    give(gatherer, std::move(*message));
+    if (progress) progress(static_cast<double>(reader.position()) / static_cast<double>(reader.size()));
+  }
+  found.integrity = reader.integrity();
+  found.slices = gatherer.session.slices;
+  found.raw_frames = reader.channels()[message_index<CompressedFrame>()].messages;
+  Session session = session_of(std::move(gatherer), found.integrity);
+  if (index) *index = std::move(found);
+  return session;
+}
+
+Session load_session(const std::filesystem::path& path, const LogIndex& index, const Progress& progress) {
+  MessageReader reader(path);
+  Gatherer gatherer{path};
+  gatherer.session.slices = index.slices;
+  for (size_t i = 0; i < index.positions.size(); ++i) {
+    reader.seek(index.positions[i]);
+    std::optional<Message> message = reader.next();
+    if (!message || reader.event_position() != index.positions[i])
+      throw Error(path.string() + " has changed since it was loaded first: load it anew");
+    give(gatherer, std::move(*message));
+    if (progress) progress(static_cast<double>(i + 1) / static_cast<double>(index.positions.size()));
+  }
+  return session_of(std::move(gatherer), index.integrity);
 }
 
 }  // namespace kt

@@ -18,7 +18,7 @@ int64_t Segment::good_frames() const {
 std::vector<Segment> take_segments(Session& session) {
   std::map<int, Segment> by_number;
   for (StampedPose& pose : session.trajectory) by_number[pose.segment].trajectory.push_back(std::move(pose));
-  for (CloudSlice& slice : session.slices) by_number[slice.segment].slices.push_back(std::move(slice));
+  for (const SliceInfo& slice : session.slices) by_number[slice.segment].slices.push_back(slice);
   session.trajectory.clear();
   session.slices.clear();
   std::vector<Segment> segments;

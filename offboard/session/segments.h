@@ -15,9 +15,9 @@ namespace kt {
 /// A stretch of the mission with an odom frame of its own. Nothing is known of how segments stand to each
 /// other; that slices of different ones share an EdgeKey means nothing.
 struct Segment {
-  int number = 0;                  ///< as StampedPose::segment
-  Trajectory trajectory;           ///< in order; empty where a damaged log has lost it
-  std::vector<CloudSlice> slices;  ///< in order
+  int number = 0;                 ///< as StampedPose::segment
+  Trajectory trajectory;          ///< in order; empty where a damaged log has lost it
+  std::vector<SliceInfo> slices;  ///< in order
 
   int64_t good_frames() const;
 };

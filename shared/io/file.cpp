@@ -1,4 +1,4 @@
-// Reading and writing whole files through the C library, which tells why it failed.
+// Reading and writing files through the C library, which tells why it failed.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/io/file.h"
 
@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <utility>
 
 #include "shared/core/check.h"
 
@@ -41,18 +42,34 @@ std::string read_file(const std::filesystem::path& path, size_t limit) {
   return bytes;
 }
 
+OutputFile::OutputFile(std::filesystem::path path)
+    : path_(std::move(path)), file_(std::fopen(path_.c_str(), "wb")) {
+  if (!file_) kt::fail(path_, std::string("cannot be written: ") + std::strerror(errno));
+}
+
+OutputFile::~OutputFile() {
+  if (!file_) return;
+  file_.reset();
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(std::filesystem::symlink_status(path_, ignored)))
+    std::filesystem::remove(path_, ignored);
+}
+
+void OutputFile::fail() { kt::fail(path_, std::string("cannot be written whole: ") + std::strerror(errno)); }
+
+void OutputFile::write(std::string_view bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) fail();
+}
+
+void OutputFile::close() {
+  if (std::fflush(file_.get()) != 0) fail();
+  if (std::fclose(file_.release()) != 0) fail();
+}
+
 void write_file(const std::filesystem::path& path, std::string_view bytes) {
-  File file(std::fopen(path.c_str(), "wb"));
-  if (!file) fail(path, std::string("cannot be written: ") + std::strerror(errno));
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
-  // A full disk may show only when the last block is flushed.
-  if (!written || std::fclose(file.release()) != 0) {
-    const std::string reason = std::strerror(errno);
-    std::error_code ignored;
-    if (std::filesystem::is_regular_file(std::filesystem::symlink_status(path, ignored)))
-      std::filesystem::remove(path, ignored);
-    fail(path, "cannot be written whole: " + reason);
-  }
+  OutputFile file(path);
+  file.write(bytes);
+  file.close();
 }
 
 }  // namespace kt

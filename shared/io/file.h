@@ -1,10 +1,12 @@
-// Whole files in and out of memory, with errors that name the file.
+// Files in and out of memory, with errors that name the file.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,6 +19,27 @@ std::string read_file(const std::filesystem::path& path, size_t limit = size_t{1
 /// Replaces the file; throws kt::Error where it cannot be written whole (no folder, no permission, full
 /// disk), and leaves no part of it then.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// A file that is written piece by piece. Throws kt::Error as write_file; unless it is closed, no part of it
+/// is left.
+class OutputFile {
+ public:
+  /// Replaces the file.
+  explicit OutputFile(std::filesystem::path path);
+  ~OutputFile();
+  OutputFile(OutputFile&&) = default;
+  void write(std::string_view bytes);
+  /// To be called behind the last piece: a full disk may show only here.
+  void close();
+
+ private:
+  struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  [[noreturn]] void fail();
+  std::filesystem::path path_;
+  std::unique_ptr<std::FILE, Closer> file_;
+};
 
 inline std::span<const uint8_t> as_bytes(std::string_view text) {
   return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <filesystem>
 #include <string>
 
-#include "shared/io/mesh.h"
+#include "shared/io/mesh_stream.h"
 
 namespace kt {
 
@@ -15,9 +14,7 @@ namespace kt {
 /// - Quality has no place in the format and is left out; so is a mesh without triangles, of which glTF knows
 ///   none: the scene is empty then.
 /// Throws kt::Error for what exceeds the 4 GiB of the format.
+void write_glb(const MeshStream& mesh, const ByteSink& sink);
 std::string glb_bytes(const Mesh& mesh);
-
-/// Throws kt::Error where the file cannot be written whole, too.
-void write_glb(const std::filesystem::path& path, const Mesh& mesh);
 
 }  // namespace kt

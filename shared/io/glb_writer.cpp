@@ -1,26 +1,27 @@
-// Writes binary glTF 2.0 with tinygltf, which this file alone includes.
+// Writes binary glTF 2.0: a JSON text that lists the arrays, then the arrays one after the other.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <sstream>
+
+#include "nlohmann/json.hpp"
 
 #include "shared/core/check.h"
-#include "shared/io/file.h"
 #include "shared/io/glb.h"
-
-#define TINYGLTF_IMPLEMENTATION
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#define TINYGLTF_NO_EXTERNAL_IMAGE
-#include <tiny_gltf.h>
 
 namespace kt {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the writer copies values as they lie in memory");
+
+using Json = nlohmann::ordered_json;
+
+// Numbers of the specification, sections 3.6, 3.7 and 4.4.
+constexpr int kUnsignedByte = 5121, kUnsignedInt = 5125, kFloat = 5126;
+constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
+constexpr int kTriangles = 4;
+constexpr uint32_t kMagic = 0x46546C67, kVersion = 2, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
 struct Rgba8 {
   uint8_t r, g, b, a;
@@ -37,102 +38,101 @@ std::array<uint8_t, 256> linear_of_srgb() {
   return table;
 }
 
-// Appends values to the one buffer, as a view and an accessor of it, and returns the number of the accessor.
-template <typename T>
-int add_values(tinygltf::Model& model, const std::vector<T>& values, int target, int component, int type) {
-  std::vector<unsigned char>& bytes = model.buffers.front().data;
-  tinygltf::BufferView view;
-  view.buffer = 0;
-  view.byteOffset = bytes.size();
-  view.byteLength = values.size() * sizeof(T);
-  view.target = target;
-  bytes.resize(bytes.size() + view.byteLength);
-  std::memcpy(bytes.data() + view.byteOffset, values.data(), view.byteLength);
-
-  tinygltf::Accessor accessor;
-  accessor.bufferView = static_cast<int>(model.bufferViews.size());
-  accessor.componentType = component;
-  accessor.count = values.size() * sizeof(T) /
-                   static_cast<size_t>(tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(component)) *
-                                       tinygltf::GetNumComponentsInType(static_cast<uint32_t>(type)));
-  accessor.type = type;
-  model.bufferViews.push_back(std::move(view));
-  model.accessors.push_back(std::move(accessor));
-  return static_cast<int>(model.accessors.size()) - 1;
+// Adds a view of the next `bytes` of the one buffer and an accessor to it; returns the accessor's number.
+size_t add_array(Json& head, uint64_t bytes, int target, const Json& accessor) {
+  uint64_t begin = 0;
+  for (const Json& view : head["bufferViews"]) begin += view["byteLength"].get<uint64_t>();
+  head["bufferViews"].push_back(
+      {{"buffer", 0}, {"byteOffset", begin}, {"byteLength", bytes}, {"target", target}});
+  head["accessors"].push_back(accessor);
+  head["accessors"].back()["bufferView"] = head["bufferViews"].size() - 1;
+  return head["accessors"].size() - 1;
 }
 
-// The format wants the bounds of positions.
-void set_bounds(const std::vector<Vec3f>& positions, tinygltf::Accessor& accessor) {
-  Vec3f low = positions.front(), high = low;
-  for (const Vec3f p : positions) {
-    low = {min_of(low.x, p.x), min_of(low.y, p.y), min_of(low.z, p.z)};
-    high = {max_of(high.x, p.x), max_of(high.y, p.y), max_of(high.z, p.z)};
-  }
-  accessor.minValues = {low.x, low.y, low.z};
-  accessor.maxValues = {high.x, high.y, high.z};
-}
-
-void add_mesh(tinygltf::Model& model, const Mesh& mesh) {
-  tinygltf::Primitive primitive;
-  const auto add_vectors = [&](const std::vector<Vec3f>& vectors) {
-    return add_values(model, vectors, TINYGLTF_TARGET_ARRAY_BUFFER, TINYGLTF_COMPONENT_TYPE_FLOAT,
-                      TINYGLTF_TYPE_VEC3);
+void add_mesh(Json& head, const MeshStream& mesh, uint64_t body_bytes) {
+  const auto accessor = [](int component, const char* type, uint64_t count) {
+    return Json{{"componentType", component}, {"type", type}, {"count", count}};
   };
-  model.buffers.emplace_back();
-  primitive.attributes["POSITION"] = add_vectors(mesh.vertices);
-  set_bounds(mesh.vertices, model.accessors.back());
-  if (!mesh.normals.empty()) primitive.attributes["NORMAL"] = add_vectors(mesh.normals);
-  if (!mesh.colours.empty()) {
-    const std::array<uint8_t, 256> linear = linear_of_srgb();
-    std::vector<Rgba8> colours;
-    colours.reserve(mesh.colours.size());
-    // Four channels: each vertex has to begin at a multiple of four bytes.
-    for (const Rgb8 c : mesh.colours) colours.push_back({linear[c.r], linear[c.g], linear[c.b], 255});
-    primitive.attributes["COLOR_0"] = add_values(model, colours, TINYGLTF_TARGET_ARRAY_BUFFER,
-                                                 TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, TINYGLTF_TYPE_VEC4);
-    model.accessors.back().normalized = true;
+  head["buffers"].push_back({{"byteLength", body_bytes}});
+  head["bufferViews"] = head["accessors"] = Json::array();
+  Json attributes;
+  Json positions = accessor(kFloat, "VEC3", mesh.vertices);
+  const auto [low, high] = bounds_of(mesh);  // the format wants them
+  positions["min"] = {low.x, low.y, low.z};
+  positions["max"] = {high.x, high.y, high.z};
+  attributes["POSITION"] = add_array(head, 12 * mesh.vertices, kArrayBuffer, positions);
+  if (mesh.has_normals) {
+    attributes["NORMAL"] =
+        add_array(head, 12 * mesh.vertices, kArrayBuffer, accessor(kFloat, "VEC3", mesh.vertices));
   }
-  primitive.indices = add_values(model, mesh.triangles, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER,
-                                 TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR);
-  primitive.mode = TINYGLTF_MODE_TRIANGLES;
-  primitive.material = 0;
+  if (mesh.has_colours) {
+    // Four channels: each vertex has to begin at a multiple of four bytes.
+    Json colours = accessor(kUnsignedByte, "VEC4", mesh.vertices);
+    colours["normalized"] = true;
+    attributes["COLOR_0"] = add_array(head, 4 * mesh.vertices, kArrayBuffer, colours);
+  }
+  const size_t indices = add_array(head, 12 * mesh.triangles, kElementArrayBuffer,
+                                   accessor(kUnsignedInt, "SCALAR", 3 * mesh.triangles));
+  // Not metallic, else a map looks like dark metal.
+  head["materials"].push_back({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}}});
+  Json& primitive = head["meshes"][0]["primitives"][0];
+  primitive = {{"attributes", attributes}, {"indices", indices}, {"material", 0}, {"mode", kTriangles}};
+  head["nodes"].push_back({{"name", "map"}, {"mesh", 0}, {"rotation", {1, 0, 0, 0}}});  // x y z w
+  head["scenes"][0]["nodes"].push_back(0);
+}
 
-  tinygltf::Material material;
-  material.pbrMetallicRoughness.metallicFactor = 0;  // else a map looks like dark metal
-  material.pbrMetallicRoughness.roughnessFactor = 1;
-  model.materials.push_back(std::move(material));
-  model.meshes.emplace_back().primitives.push_back(std::move(primitive));
-  tinygltf::Node& node = model.nodes.emplace_back();
-  node.name = "map";
-  node.mesh = 0;
-  node.rotation = {1, 0, 0, 0};  // x y z w
-  model.scenes.front().nodes.push_back(0);
+void put_body(const MeshStream& mesh, ByteBlocks& out) {
+  mesh.for_each_vertices([&](const Mesh& block) {
+    for (const Vec3f p : block.vertices) out.put(p);
+  });
+  mesh.for_each_vertices([&](const Mesh& block) {
+    for (const Vec3f n : block.normals) out.put(n);
+  });
+  const std::array<uint8_t, 256> linear = linear_of_srgb();
+  mesh.for_each_vertices([&](const Mesh& block) {
+    for (const Rgb8 c : block.colours) out.put(Rgba8{linear[c.r], linear[c.g], linear[c.b], 255});
+  });
+  mesh.for_each_triangles([&](std::span<const std::array<uint32_t, 3>> block) {
+    for (const auto& triangle : block) out.put(triangle);
+  });
 }
 
 }  // namespace
 
-std::string glb_bytes(const Mesh& mesh) {
-  const size_t count = mesh.vertices.size();
-  KT_CHECK(mesh.normals.empty() || mesh.normals.size() == count);
-  KT_CHECK(mesh.colours.empty() || mesh.colours.size() == count);
-  const size_t size = count * (12 + (mesh.normals.empty() ? 0 : 12) + (mesh.colours.empty() ? 0 : 4)) +
-                      mesh.triangles.size() * 12;
-  constexpr size_t kRoomForJson = 1 << 16;
-  if (size > std::numeric_limits<uint32_t>::max() - kRoomForJson) {
-    throw Error("the map has " + std::to_string(size >> 20) +
+void write_glb(const MeshStream& mesh, const ByteSink& sink) {
+  const uint64_t body_bytes =
+      mesh.vertices * (12 + (mesh.has_normals ? 12 : 0) + (mesh.has_colours ? 4 : 0)) + mesh.triangles * 12;
+  constexpr uint64_t kRoomForJson = 1 << 16;
+  if (body_bytes > std::numeric_limits<uint32_t>::max() - kRoomForJson) {
+    throw Error("the map has " + std::to_string(body_bytes >> 20) +
                 " MiB, and a .glb file holds at most 4096: write it as .ply, or simplify it");
   }
-  tinygltf::Model model;
-  model.asset.version = "2.0";
-  model.asset.generator = "Kintsugi";
-  model.defaultScene = 0;
-  model.scenes.emplace_back();
-  if (!mesh.triangles.empty()) add_mesh(model, mesh);
-  std::ostringstream out(std::ios::binary);
-  KT_CHECK(tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true));
-  return std::move(out).str();
+  const bool has_mesh = mesh.triangles > 0;
+  Json head = {
+      {"asset", {{"version", "2.0"}, {"generator", "Kintsugi"}}}, {"scene", 0}, {"scenes", Json::array()}};
+  head["scenes"].push_back(Json::object());
+  if (has_mesh) add_mesh(head, mesh, body_bytes);
+  std::string text = head.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+
+  ByteBlocks out(sink);
+  const auto put_words = [&](std::initializer_list<uint64_t> words) {
+    for (const uint64_t word : words) out.put(static_cast<uint32_t>(word));
+  };
+  constexpr uint64_t kFileHead = 12, kChunkHead = 8;
+  put_words(
+      {kMagic, kVersion, kFileHead + kChunkHead + text.size() + (has_mesh ? kChunkHead + body_bytes : 0)});
+  put_words({text.size(), kJsonChunk});
+  out.text(text);
+  if (has_mesh) {
+    put_words({body_bytes, kBinaryChunk});
+    put_body(mesh, out);
+  }
+  out.flush();
 }
 
-void write_glb(const std::filesystem::path& path, const Mesh& mesh) { write_file(path, glb_bytes(mesh)); }
+std::string glb_bytes(const Mesh& mesh) {
+  return gathered_bytes([&](const ByteSink& sink) { write_glb(stream_of(mesh), sink); });
+}
 
 }  // namespace kt

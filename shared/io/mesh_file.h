@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "shared/io/mesh.h"
+#include "shared/io/mesh_stream.h"
 
 namespace kt {
 
@@ -14,6 +14,7 @@ void check_mesh_path(const std::filesystem::path& path);
 
 /// Writes the whole mesh in the format that `path` ends in. Throws kt::Error as check_mesh_path, and where
 /// the file cannot be written whole.
+void write_mesh(const std::filesystem::path& path, const MeshStream& mesh);
 void write_mesh(const std::filesystem::path& path, const Mesh& mesh);
 
 }  // namespace kt

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <charconv>
 
-#include "shared/core/check.h"
-#include "shared/io/file.h"
 #include "shared/io/obj.h"
 
 namespace kt {
@@ -24,44 +22,53 @@ void append_all(std::string& text, Vec3f v) {
 
 }  // namespace
 
-std::string obj_bytes(const Mesh& mesh) {
-  const size_t count = mesh.vertices.size();
-  const bool has_normals = !mesh.normals.empty(), has_colours = !mesh.colours.empty();
-  KT_CHECK(!has_normals || mesh.normals.size() == count);
-  KT_CHECK(!has_colours || mesh.colours.size() == count);
-
-  std::string text = "# metres\n";
-  for (size_t i = 0; i < count; ++i) {
-    text += 'v';
-    append_all(text, mesh.vertices[i]);
-    if (has_colours) {
-      const auto [r, g, b] = mesh.colours[i];
-      append_all(
-          text, Vec3f{static_cast<float>(r) / 255, static_cast<float>(g) / 255, static_cast<float>(b) / 255});
-    }
-    text += '\n';
-  }
-  for (const Vec3f normal : mesh.normals) {
-    text += "vn";
-    append_all(text, normal);
-    text += '\n';
-  }
-  for (const auto& triangle : mesh.triangles) {
-    text += 'f';
-    for (const uint32_t corner : triangle) {
-      const uint64_t number = uint64_t{corner} + 1;  // OBJ counts from 1
-      text += ' ';
-      append(text, number);
-      if (has_normals) {
-        text += "//";
-        append(text, number);
+void write_obj(const MeshStream& mesh, const ByteSink& sink) {
+  ByteBlocks out(sink);
+  std::string line = "# metres";
+  const auto end_line = [&] {
+    line += '\n';
+    out.text(line);
+    line.clear();
+  };
+  end_line();
+  mesh.for_each_vertices([&](const Mesh& block) {
+    for (size_t i = 0; i < block.vertices.size(); ++i) {
+      line += 'v';
+      append_all(line, block.vertices[i]);
+      if (mesh.has_colours) {
+        const auto [r, g, b] = block.colours[i];
+        append_all(line, Vec3f{static_cast<float>(r) / 255, static_cast<float>(g) / 255,
+                               static_cast<float>(b) / 255});
       }
+      end_line();
     }
-    text += '\n';
-  }
-  return text;
+  });
+  mesh.for_each_vertices([&](const Mesh& block) {
+    for (const Vec3f normal : block.normals) {
+      line += "vn";
+      append_all(line, normal);
+      end_line();
+    }
+  });
+  mesh.for_each_triangles([&](std::span<const std::array<uint32_t, 3>> block) {
+    for (const auto& triangle : block) {
+      line += 'f';
+      for (const uint32_t corner : triangle) {
+        const uint64_t number = uint64_t{corner} + 1;  // OBJ counts from 1
+        line += ' ';
+        append(line, number);
+        if (!mesh.has_normals) continue;
+        line += "//";
+        append(line, number);
+      }
+      end_line();
+    }
+  });
+  out.flush();
 }
 
-void write_obj(const std::filesystem::path& path, const Mesh& mesh) { write_file(path, obj_bytes(mesh)); }
+std::string obj_bytes(const Mesh& mesh) {
+  return gathered_bytes([&](const ByteSink& sink) { write_obj(stream_of(mesh), sink); });
+}
 
 }  // namespace kt

@@ -7,13 +7,15 @@
 #include <span>
 #include <string>
 
-#include "shared/io/mesh.h"
+#include "shared/io/mesh_stream.h"
 
 namespace kt {
 
 /// Binary little-endian PLY: x y z, then nx ny nz, red green blue and quality where the mesh has them, then
 /// faces.
+void write_ply(const MeshStream& mesh, const ByteSink& sink);
 std::string ply_bytes(const Mesh& mesh);
+/// Throws kt::Error where the file cannot be written whole.
 void write_ply(const std::filesystem::path& path, const Mesh& mesh);
 
 /// ASCII and binary PLY of either byte order and any property types; unknown elements and properties are

@@ -1,5 +1,7 @@
-// Corridors: one without end, one of repeating doors, one around a block.
+// Corridors: two without end, one of repeating doors, one around a block.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+
 #include "shared/synth/furniture.h"
 #include "shared/synth/palette.h"
 #include "shared/synth/world.h"
@@ -11,27 +13,29 @@ using Eigen::Vector3d;
 
 constexpr double kHeight = 2.5;
 // The straight corridor runs along x; its ends lie beyond what any depth image holds.
-constexpr double kEnd = 40, kHalfWidth = 1.0, kPathLength = 12.6;
+constexpr double kBeyond = 27.4, kHalfWidth = 1.0, kPathLength = 12.6;
 
-World straight_corridor() {
+World straight_corridor(double path_m) {
   World world;
+  const double end = path_m + kBeyond;
   Furnisher f(&world.scene);
   const Pose origin = Pose::Identity();
-  const double length = 2 * kEnd + 0.2;
+  const double length = 2 * end + 0.2;
   f.box(origin, {0, 0, -0.05}, {length, 2 * kHalfWidth, 0.1}, palette::stone_tiles());
   f.box(origin, {0, 0, kHeight + 0.05}, {length, 2 * kHalfWidth, 0.1}, palette::ceiling());
   f.box(origin, {0, -kHalfWidth - 0.05, kHeight / 2}, {length, 0.1, kHeight},
         palette::wallpaper({0.62f, 0.58f, 0.46f}, {0.30f, 0.34f, 0.40f}, 0.2));
   f.box(origin, {0, kHalfWidth + 0.05, kHeight / 2}, {length, 0.1, kHeight},
         palette::wallpaper({0.52f, 0.60f, 0.60f}, {0.50f, 0.26f, 0.20f}, 0.24));
-  for (const double x : {-kEnd, kEnd}) {
+  for (const double x : {-end, end}) {
     f.box(origin, {x, 0, kHeight / 2}, {0.1, 2 * kHalfWidth, kHeight}, palette::white_paint());
   }
   // Evenly lit over the length of the path, so that light gives no landmark.
-  for (double x = -6; x < kPathLength + 12; x += 2) world.scene.add_light({{x, 0, 2.4}, 3.5, 0.25});
+  for (double x = -6; x < path_m + 12; x += 2) world.scene.add_light({{x, 0, 2.4}, 3.5, 0.25});
   // Walking with the head turned a little to one side, then to the other.
-  for (int i = 0; i <= 8; ++i) {
-    const Vector3d p(kPathLength * i / 8, i % 2 ? 0.15 : -0.15, 1.25);
+  const int steps = static_cast<int>(std::lround(8 * path_m / kPathLength));
+  for (int i = 0; i <= steps; ++i) {
+    const Vector3d p(path_m * i / steps, i % 2 ? 0.15 : -0.15, 1.25);
     world.way_points.push_back({p, p + Vector3d(1, i % 4 < 2 ? 0.4 : -0.4, i % 2 ? -0.2 : -0.05)});
   }
   world.pace = {0.66, 0.5, 0.4, 0.008, 5};
@@ -40,10 +44,12 @@ World straight_corridor() {
 
 }  // namespace
 
-World make_corridor() { return straight_corridor(); }
+World make_corridor() { return straight_corridor(kPathLength); }
+
+World make_corridor_long() { return straight_corridor(10 * kPathLength); }
 
 World make_corridor_doors() {
-  World world = straight_corridor();
+  World world = straight_corridor(kPathLength);
   Furnisher f(&world.scene);
   for (int i = -4; i <= 9; ++i) {
     const double x = 2.5 * i;

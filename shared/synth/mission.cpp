@@ -27,6 +27,7 @@ constexpr Entry kMissions[] = {
     {"room-plain", "the same room and path, nearly without texture", make_room_plain},
     {"apartment", "six furnished rooms along a corridor, with revisits", make_apartment},
     {"corridor", "bare planar walls without end, richly textured", make_corridor},
+    {"corridor-long", "the same path ten times as long", make_corridor_long},
     {"corridor-doors", "a corridor of identical doors and posters at equal distances", make_corridor_doors},
     {"fast", "the room with quick turns and motion blur", make_fast},
     {"ring", "a corridor around a block, back to its start", make_ring},

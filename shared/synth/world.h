@@ -24,6 +24,7 @@ World make_room_plain();      ///< the same shapes and path, nearly without text
 World make_fast();            ///< the room with quick turns and motion blur
 World make_apartment();       ///< six rooms along a corridor, with revisits
 World make_corridor();        ///< endless bare walls, richly textured
+World make_corridor_long();   ///< the same path ten times as long
 World make_corridor_doors();  ///< the same with identical doors and posters at equal distances
 World make_ring();            ///< a corridor around a block, back to its start
 

@@ -45,10 +45,22 @@ struct LogIntegrity {
   }
 };
 
+/// A slice without its surface, which load_slices (offboard/session) reads where it is wanted.
+struct SliceInfo {
+  int64_t sequence = 0;  ///< as CloudSlice::sequence
+  int segment = 0;       ///< as StampedPose::segment
+  double voxel_size_m = 0;
+  uint64_t vertices = 0, triangles = 0;
+
+  static SliceInfo of(const CloudSlice& slice) {
+    return {slice.sequence, slice.segment, slice.voxel_size_m, slice.vertices.size(), slice.triangles.size()};
+  }
+};
+
 struct Session {
-  SessionHeader header;            ///< its texts say "unknown" where the session event is missing
-  Trajectory trajectory;           ///< one pose per processed frame, in order
-  std::vector<CloudSlice> slices;  ///< in order
+  SessionHeader header;           ///< its texts say "unknown" where the session event is missing
+  Trajectory trajectory;          ///< one pose per processed frame, in order
+  std::vector<SliceInfo> slices;  ///< in order
   std::vector<Keyframe> keyframes;
   std::vector<LoopClosure> loop_closures;
   MissionStatus last_status;

@@ -76,6 +76,11 @@ class EventLogReader {
   /// damaged (no event begins behind it) resumes the search inside it.
   void reject();
 
+  /// Where the event last returned begins in the log, for seek().
+  int64_t event_position() const { return event_position_; }
+  /// Goes on reading at `position`; what lies between is not looked at.
+  void seek(int64_t position);
+
   /// Counts so far. unknown_events and missing_messages are for whoever knows the channels: here 0.
   const LogIntegrity& integrity() const { return integrity_; }
   /// Bytes read so far, and in all: for progress.

@@ -147,6 +147,11 @@ std::optional<LogEvent> EventLogReader::next() {
   return {};
 }
 
+void EventLogReader::seek(int64_t position) {
+  KT_CHECK(position >= 0);
+  position_ = std::min(position, size_);
+}
+
 bool EventLogReader::is_followed_by_event() { return position_ == size_ || header_at(position_); }
 
 void EventLogReader::reject() {

@@ -27,6 +27,10 @@ class MessageReader {
   /// The next intact message, or nothing at the end. Damaged and unknown events are counted and passed over.
   std::optional<Message> next();
 
+  /// As EventLogReader's: where the message last returned begins, and to go on elsewhere.
+  int64_t event_position() const { return events_.event_position(); }
+  void seek(int64_t position) { events_.seek(position); }
+
   /// Events, damage and gaps so far. Whether the final slice is missing is not told where slices are skipped.
   LogIntegrity integrity() const;
 

@@ -2,11 +2,15 @@
 # Whole maps: the surface fused anew, several logs joined, and every format.
 # SPDX-License-Identifier: BSD-3-Clause
 import json
+import resource
 import shutil
+import signal
+import subprocess
+import time
 import unittest
 
 from ply import read_ply
-from programs import WORK, ProgramTest
+from programs import WORK, ProgramTest, command
 
 
 def split(folder, first, last):
@@ -32,9 +36,10 @@ class MapTest(ProgramTest):
         from_log = self.map_with("a", self.folder / "raw.lcm")
         from_recording = self.map_with("b", log, "--frames", source)
         slices = self.map_with("c", log)
-        for out, surface in ((from_log, "frames"), (from_recording, "frames"), (slices, "slices")):
+        for out, surface, made in ((from_log, "frames", "fuse"), (from_recording, "frames", "fuse"), (slices, "slices", "deform")):
             self.assertEqual(self.report(out)["segments"]["list"][0]["surface"], surface)
-            self.assertFalse((out / "bricks.tmp").exists())
+            self.assertEqual(len(list((out / "stages").glob(f"{made}-*"))), 1, "the tiles, and nothing that was for a while")
+            self.assertEqual([], list(out.glob("*.tmp*")))
         self.assertEqual((from_log / "map.ply").read_bytes(), (from_recording / "map.ply").read_bytes())
         self.assertGreater(self.report(slices)["map"]["triangles"], 10_000)
         ratio = self.report(from_log)["map"]["triangles"] / self.report(slices)["map"]["triangles"]
@@ -75,6 +80,71 @@ class MapTest(ProgramTest):
         self.assertLess(error["ate"]["rmse_m"], 0.01)
         apart = self.report(self.map_with("apart", *logs, "--loops", "none"))
         self.assertEqual(len(apart["segments"]["list"]), 2)
+
+    def files(self, out):
+        return {name: (out / name).read_bytes() for name in ("map.ply", "trajectory.txt", "poses.g2o")}
+
+    def taken(self, out):
+        return [stage["name"] for stage in self.report(out)["run"]["stages"] if stage["from_file"]]
+
+    def test_a_killed_run_goes_on_and_gives_the_same_bytes(self):
+        log, _ = self.collect(f"tum:{WORK / 'turning'}")
+        arguments = [log, "--frames", f"tum:{WORK / 'turning'}"]
+        whole = self.map_with("whole", *arguments, "--no-stages")
+        self.assertFalse((whole / "stages").exists())
+        out = self.folder / "killed"
+        kills = 0
+        # Killed when a stage has just been kept: the next one has begun.
+        for stage in ("load", "loops", "optimise"):
+            process = subprocess.Popen(command("map", *arguments, "--output", out), stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.STDOUT)
+            deadline = time.monotonic() + 120
+            while not (out / "stages" / f"{stage}.json").exists() and process.poll() is None:
+                self.assertLess(time.monotonic(), deadline)
+                time.sleep(0.005)
+            process.send_signal(signal.SIGKILL)
+            kills += process.wait() == -signal.SIGKILL
+        self.assertEqual(kills, 3)
+        self.map_with("killed", *arguments)
+        self.assertEqual(self.taken(out), ["load", "loops", "optimise"])
+        self.assertEqual(self.files(out), self.files(whole))
+        self.assertEqual(self.report(out)["digest"], self.report(whole)["digest"])
+        residuals = self.report(out)["optimisation"]["residuals"]["accepted_loops"]
+        self.assertGreater(residuals["edges"], 0)
+        self.assertLess(residuals["chi2_after"], residuals["chi2_before"])
+
+        self.map_with("killed", *arguments, "--format", "glb", "--simplify", "0.5")
+        self.assertEqual(self.taken(out), ["load", "loops", "optimise", "fuse"])
+        self.map_with("killed", *arguments, "--voxel-size", "0.03")
+        self.assertEqual(self.taken(out), ["load", "loops", "optimise"])
+        self.assertNotEqual(self.files(out), self.files(whole))
+        # The files of a folder that has changed are other frames.
+        moved = self.copy_of("turning")
+        self.map_with("killed", log, "--frames", f"tum:{moved}")
+        self.assertEqual(self.taken(out), ["load", "loops", "optimise"])
+        (out / "stages" / "optimise").write_bytes(b"rubbish")
+        text = self.run_well("map", log, "--frames", f"tum:{moved}", "--output", out)
+        self.assertIn("the stage optimise was made anew\n", text)
+        self.assertEqual(self.taken(out), ["load", "loops", "fuse"])
+        self.assertEqual(self.files(out), self.files(whole))
+
+    def test_a_full_disk_costs_one_stage(self):
+        log, _ = self.collect(f"tum:{WORK / 'small'}")
+        out = self.map_with("map", log, "--until", "optimise")
+        self.assertEqual(sorted(path.name for path in (out / "stages").glob("*.json")),
+                         ["load.json", "loops.json", "optimise.json"])
+
+        def limit_files():
+            # A file at its limit fails to grow as one on a full disk does, once the signal is ignored.
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+
+        self.run_badly("map", log, "--output", out, naming=[out / "stages" / "deform-0"], preexec_fn=limit_files,
+                       restore_signals=False)
+        self.assertFalse(list((out / "stages").glob("deform*")))
+        self.map_with("map", log)
+        self.assertEqual(self.taken(out), ["load", "loops", "optimise"])
+        self.run_badly("map", log, "--output", self.folder / "x", "--until", "loops", "--no-stages", naming=["leave nothing"])
 
     def test_formats_and_options(self):
         log, _ = self.collect(f"tum:{WORK / 'small'}")

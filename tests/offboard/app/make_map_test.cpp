@@ -41,6 +41,10 @@ CloudSlice slice_of(int segment, float x_m, bool is_final) {
   slice.sequence = segment;
   slice.segment = segment;
   slice.is_final = is_final;
+  // Edges of one cell, as those of triangles are.
+  const EdgeKey keys[] = {EdgeKey::of({9, 9, 9}, 0), EdgeKey::of({9, 9, 9}, 1), EdgeKey::of({9, 9, 9}, 2),
+                          EdgeKey::of({10, 9, 9}, 1), EdgeKey::of({9, 10, 9}, 0)};
+  for (size_t i = 0; i < slice.vertices.size(); ++i) slice.vertices[i].key = keys[i];
   for (SliceVertex& vertex : slice.vertices) vertex.p_odom.x += x_m;
   return slice;
 }
@@ -100,16 +104,35 @@ nlohmann::json report_without_run(const std::filesystem::path& folder) {
   return json;
 }
 
+// Names of the stages that the last run to `folder` took from files.
+std::vector<std::string> taken(const std::filesystem::path& folder) {
+  std::ifstream file(folder / "report.json");
+  std::vector<std::string> names;
+  const auto report = nlohmann::json::parse(file);
+  for (const auto& stage : report["run"]["stages"]) {
+    if (stage["from_file"]) names.push_back(stage["name"]);
+  }
+  return names;
+}
+
+void expect_same_map(const std::filesystem::path& a, const std::filesystem::path& b) {
+  for (const char* file : {"map.ply", "trajectory.txt", "poses.g2o", "segment-0/map.ply"})
+    EXPECT_EQ(read_bytes(a / file), read_bytes(b / file)) << a << " " << file;
+  EXPECT_EQ(report_without_run(a), report_without_run(b)) << a;
+}
+
+using Names = std::vector<std::string>;
+
 TEST(MakeMap, WritesWhatTheLogHolds) {
   const ScratchDir folder;
   record_mission(folder / "a.lcm");
   const auto output = folder / "new/folder";
   std::vector<std::string> steps;
   const std::string summary =
-      make_map(whole({{folder / "a.lcm"}, output}), [&steps](const std::string& step, double share) {
+      make_map(whole({{folder / "a.lcm"}, output}), [&steps](const std::string& step, double share, double) {
         if (share == 0) steps.push_back(step);
       });
-  EXPECT_EQ(steps, (std::vector<std::string>{"load", "place", "surface", "write"}));
+  EXPECT_EQ(steps, (std::vector<std::string>{"load", "loops", "optimise", "deform", "mesh"}));
   EXPECT_NE(summary.find("7 events, no damage"), std::string::npos) << summary;
 
   const Mesh map = read_ply(output / "map.ply");
@@ -198,6 +221,94 @@ TEST(MakeMap, SegmentsOfEarlierRunsGoAndForeignFilesStay) {
   for (const char* name : {"segment-7/notes.txt", "segment-x/map.ply", "segment-07/map.ply", "segment-8",
                            "segment-9/map.ply/notes.txt"})
     EXPECT_TRUE(std::filesystem::exists(output / name)) << name;
+}
+
+TEST(MakeMap, GoesOnBehindWhateverStageWasLast) {
+  const ScratchDir folder;
+  record_segments(folder / "a.lcm");
+  MapOptions options = whole({{folder / "a.lcm"}, folder / "at once"});
+  options.keeps_stages = false;
+  make_map(options);
+  EXPECT_FALSE(std::filesystem::exists(folder / "at once/stages"));
+  options.keeps_stages = true;
+  const Names names{"load", "loops", "optimise", "deform"};
+  for (size_t last = 0; last < names.size(); ++last) {
+    options.output = folder / names[last];
+    options.until = static_cast<MapStage>(last);
+    const std::string text = make_map(options);
+    EXPECT_NE(text.find("stopped after " + names[last]), std::string::npos) << text;
+    EXPECT_FALSE(std::filesystem::exists(options.output / "map.ply"));
+    options.until = MapStage::kMesh;
+    make_map(options);
+    EXPECT_EQ(taken(options.output), Names(names.begin(), names.begin() + static_cast<ptrdiff_t>(last) + 1));
+    expect_same_map(options.output, folder / "at once");
+  }
+}
+
+TEST(MakeMap, OtherParametersRunWhatDependsOnThem) {
+  const ScratchDir folder;
+  record_segments(folder / "a.lcm");
+  const auto output = folder / "map";
+  const MapOptions options = whole({{folder / "a.lcm"}, output});
+  make_map(options);
+  EXPECT_EQ(taken(output), Names());
+  const auto taken_with = [&](const std::function<void(MapOptions&)>& change) {
+    MapOptions other = options;
+    change(other);
+    make_map(other);
+    const Names names = taken(output);
+    make_map(options);
+    return names;
+  };
+  const Names all{"load", "loops", "optimise", "deform"};
+  EXPECT_EQ(taken_with([](MapOptions& o) { o.threads = 3; }), all);
+  EXPECT_EQ(taken_with([](MapOptions& o) { o.islands = {}; }), all);
+  EXPECT_EQ(taken_with([](MapOptions& o) { o.formats = {"obj"}; }), all);
+  EXPECT_EQ(taken_with([](MapOptions& o) { o.voxel_size_m = 0.5; }), all) << "slices are as they are";
+  EXPECT_EQ(taken_with([](MapOptions& o) { o.graph.robustness = LoopRobustness::kNone; }),
+            Names({"load", "loops"}));
+  EXPECT_EQ(taken_with([](MapOptions& o) { o.loops.search.verification.min_inliers = 3; }), Names({"load"}));
+  EXPECT_EQ(taken_with([](MapOptions& o) { o.from = MapStage::kOptimise; }), Names({"load", "loops"}));
+  EXPECT_EQ(taken_with([](MapOptions& o) { o.from = MapStage::kLoad; }), Names());
+  EXPECT_EQ(taken_with([](MapOptions& o) { o.keeps_stages = false; }), Names());
+}
+
+TEST(MakeMap, AnotherLogIsAnotherMission) {
+  const ScratchDir folder;
+  record_segments(folder / "a.lcm");
+  record_alone(folder / "b.lcm", 1, 50);
+  make_map(whole({{folder / "a.lcm"}, folder / "map"}));
+  std::filesystem::rename(folder / "b.lcm", folder / "a.lcm");
+  make_map(whole({{folder / "a.lcm"}, folder / "map"}));
+  EXPECT_EQ(taken(folder / "map"), Names());
+  EXPECT_EQ(report_without_run(folder / "map")["frames"]["processed"], 4);
+}
+
+TEST(MakeMap, ADamagedStageIsMadeAnew) {
+  const ScratchDir folder;
+  record_segments(folder / "a.lcm");
+  make_map(whole({{folder / "a.lcm"}, folder / "whole"}));
+  const auto output = folder / "map";
+  for (const char* file : {"load", "loops", "optimise", "deform", "deform-1"}) {
+    make_map(whole({{folder / "a.lcm"}, output}));
+    std::vector<uint8_t> bytes = read_bytes(output / "stages" / file);
+    bytes.back() ^= 1;
+    write_bytes(output / "stages" / file, bytes);
+    const std::string text = make_map(whole({{folder / "a.lcm"}, output}));
+    const std::string stage = std::string(file).substr(0, std::string(file).find('-'));
+    const std::string line =
+        (output / "stages" / stage).string() + " was damaged: the stage " + stage + " was made anew\n";
+    EXPECT_NE(text.find(line), std::string::npos) << text;
+    EXPECT_EQ(taken(output).size(), 3u);
+    expect_same_map(output, folder / "whole");
+  }
+}
+
+TEST(MakeMap, NothingKeptAndNothingMadeIsWrongUse) {
+  MapOptions options = whole({{"a.lcm"}, "map"});
+  options.keeps_stages = false;
+  options.until = MapStage::kLoops;
+  EXPECT_NE(error_of(options).find("would leave nothing"), std::string::npos);
 }
 
 TEST(MakeMap, LogWithoutPosesIsRefused) {

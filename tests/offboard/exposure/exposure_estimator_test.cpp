@@ -41,17 +41,17 @@ FrameGains gains_of(const Gain& gain, const exec::Device& device = exec::Device:
 
 TEST(ExposureEstimator, FindsTheGainsOfEveryFrame) {
   const FrameGains gains = gains_of(gain_at);
-  EXPECT_TRUE(gains.are_applied);
-  EXPECT_GE(gains.held_back, 3);
-  EXPECT_LT(gains.disagreement_after, 0.3 * gains.disagreement_before);
+  EXPECT_TRUE(gains.figures.are_applied);
+  EXPECT_GE(gains.figures.held_back, 3);
+  EXPECT_LT(gains.figures.disagreement_after, 0.3 * gains.figures.disagreement_before);
   ASSERT_EQ(gains.log_gains.size(), static_cast<size_t>(kFrames));
   for (size_t c = 0; c < kColourChannels; ++c) {
     double mean = 0;  // the exposure of the whole mission is nobody's to know
     for (int i = 0; i < kFrames; ++i) mean += (gains.log_gains.at(i)[c] - std::log(gain_at(i)[c])) / kFrames;
     for (int i = 0; i < kFrames; ++i)
       EXPECT_NEAR(gains.log_gains.at(i)[c] - std::log(gain_at(i)[c]), mean, 0.02) << i << ' ' << c;
-    EXPECT_LT(gains.lowest()[c], 0.9);
-    EXPECT_GT(gains.highest()[c], 1.1);
+    EXPECT_LT(gains.figures.lowest_gain[c], 0.9);
+    EXPECT_GT(gains.figures.highest_gain[c], 1.1);
   }
   const Vec3f factor = gains.factor(7);
   EXPECT_NEAR(factor.y, std::exp(-gains.log_gains.at(7)[1]), 1e-6);
@@ -60,11 +60,11 @@ TEST(ExposureEstimator, FindsTheGainsOfEveryFrame) {
 
 TEST(ExposureEstimator, LeavesAConstantExposureAlone) {
   const FrameGains gains = gains_of([](int) { return ChannelValues{0.9, 0.9, 0.9}; });
-  EXPECT_FALSE(gains.are_applied);
+  EXPECT_FALSE(gains.figures.are_applied);
   EXPECT_EQ(gains.factor(7).x, 1);
   for (size_t c = 0; c < kColourChannels; ++c) {
-    EXPECT_GT(gains.lowest()[c], 0.98);
-    EXPECT_LT(gains.highest()[c], 1.02);
+    EXPECT_GT(gains.figures.lowest_gain[c], 0.98);
+    EXPECT_LT(gains.figures.highest_gain[c], 1.02);
   }
 }
 
@@ -79,17 +79,17 @@ TEST(ExposureEstimator, FramesThatShowNothingTakeTheGainBefore) {
   black.sequence = 3;
   estimator.add(black, pose_at(3));
   const FrameGains gains = estimator.finish();
-  EXPECT_EQ(gains.views, 1);
+  EXPECT_EQ(gains.figures.views, 1);
   ASSERT_EQ(gains.log_gains.size(), 2u)
       << "nothing is known before the first view, nor of a frame without colour";
   EXPECT_EQ(gains.log_gains.at(1), gains.log_gains.at(3));
-  EXPECT_FALSE(gains.are_applied) << "nothing was held back";
+  EXPECT_FALSE(gains.figures.are_applied) << "nothing was held back";
 }
 
 TEST(ExposureEstimator, ThreadsDoNotMatter) {
   const FrameGains one = gains_of(gain_at), three = gains_of(gain_at, exec::Device::cpu(3));
   EXPECT_EQ(one.log_gains, three.log_gains);
-  EXPECT_EQ(one.disagreement_after, three.disagreement_after);
+  EXPECT_EQ(one.figures.disagreement_after, three.figures.disagreement_after);
 }
 
 TEST(OverlappingViews, AreNeighboursAndRevisits) {

@@ -8,6 +8,7 @@
 #include "offboard/map/mesh_parts.h"
 #include "offboard/map/sheets.h"
 #include "tests/offboard/map/made_sheets.h"
+#include "tests/offboard/map/made_tiles.h"
 
 namespace kt::test {
 namespace {
@@ -65,7 +66,7 @@ TEST(DoubleLayers, OneSheetTakesThemAway) {
   const std::vector<Mesh> patches{made_sheet(0, 30, 0, 4), made_sheet(10, 40, 0.025f, 3)};
   EXPECT_GT(count(patches).share(), 0.5);
   // Left are those along the border of the better one, where both end.
-  EXPECT_LE(count_double_layers(one_sheet(patches, {}).mesh).doubled, 2 * (kRows + 1));
+  EXPECT_LE(count_double_layers(one_sheet(patches, SheetConfig{}).mesh).doubled, 2 * (kRows + 1));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 
+#include "offboard/map/overlap.h"
 #include "onboard/fusion/marching_cubes.h"
 #include "shared/types/cloud_slice.h"
 
@@ -56,6 +57,12 @@ inline CloudSlice made_floor(int x0, int x1, float weight, const std::vector<Vec
     for (const Vec3i r : raised) is_raised |= v.x == r.x && v.y == r.y;
     return v.z <= (is_raised ? 1 : 0);
   });
+}
+
+inline SliceWeights weights_of(const std::vector<CloudSlice>& slices) {
+  SliceWeights weights;
+  for (const CloudSlice& slice : slices) weights.add(slice);
+  return weights;
 }
 
 }  // namespace kt::test

@@ -59,7 +59,7 @@ std::vector<CloudSlice> in_sequence(std::vector<CloudSlice> slices) {
 }
 
 std::vector<int64_t> chosen(const std::vector<CloudSlice>& slices) {
-  return standing(one_slice_per_cell(slices));
+  return standing(one_slice_per_cell(slices, weights_of(slices)));
 }
 
 // What stands after both steps, welded vertices found by comparing keys.
@@ -71,7 +71,7 @@ std::vector<int64_t> without_splinters(const std::vector<CloudSlice>& slices) {
   std::vector<uint32_t> index_of;
   for (const EdgeKey key : keys)
     index_of.push_back(static_cast<uint32_t>(std::find(keys.begin(), keys.end(), key) - keys.begin()));
-  StandingTriangles stands = one_slice_per_cell(slices);
+  StandingTriangles stands = one_slice_per_cell(slices, weights_of(slices));
   drop_splinters(slices, index_of, stands);
   return standing(stands);
 }
@@ -107,7 +107,7 @@ TEST(OneSlicePerCell, SlicesApartStandWhole) {
 }
 
 TEST(OneSlicePerCell, NothingGivesNothing) {
-  EXPECT_TRUE(one_slice_per_cell({}).empty());
+  EXPECT_TRUE(one_slice_per_cell({}, {}).empty());
   EXPECT_EQ(without_splinters(std::vector<CloudSlice>(2)), (Counts{0, 0}));
 }
 

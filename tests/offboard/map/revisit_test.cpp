@@ -5,6 +5,7 @@
 
 #include "offboard/map/overlap.h"
 #include "offboard/map/weld.h"
+#include "tests/offboard/map/made_slices.h"
 #include "tests/onboard/fusion/corridor.h"
 
 namespace kt::test {
@@ -33,26 +34,26 @@ EdgeCounts edges_of(const Mesh& mesh) {
   return counts;
 }
 
-EdgeKey cell_of(const CloudSlice& slice, size_t triangle) {
+EdgeKey cell_key(const CloudSlice& slice, size_t triangle) {
   const auto [a, b, c] = slice.triangles[triangle];
   return EdgeKey::of(owning_cell({slice.vertices[a].key, slice.vertices[b].key, slice.vertices[c].key}), 0);
 }
 
 TEST(Revisit, NoCellHasTrianglesOfTwoStays) {
   const std::vector<CloudSlice> slices = corridor_slices(moving_volume(), 3);
-  const StandingTriangles stands = one_slice_per_cell(slices);
+  const StandingTriangles stands = one_slice_per_cell(slices, weights_of(slices));
   std::map<EdgeKey, std::pair<size_t, bool>> holder;  // slice that stands there; whether another lost it
   for (size_t s = 0; s < slices.size(); ++s) {
     for (size_t t = 0; t < slices[s].triangles.size(); ++t) {
       if (!stands[s][t]) continue;
-      const auto [at, is_new] = holder.try_emplace(cell_of(slices[s], t), s, false);
+      const auto [at, is_new] = holder.try_emplace(cell_key(slices[s], t), s, false);
       ASSERT_EQ(at->second.first, s);
     }
   }
   int contested = 0;
   for (size_t s = 0; s < slices.size(); ++s) {
     for (size_t t = 0; t < slices[s].triangles.size(); ++t) {
-      const auto at = holder.find(cell_of(slices[s], t));
+      const auto at = holder.find(cell_key(slices[s], t));
       ASSERT_NE(at, holder.end()) << "a cell is lost to another slice only";
       contested += at->second.first != s && !std::exchange(at->second.second, true);
     }

@@ -7,6 +7,7 @@
 #include "offboard/map/mesh_parts.h"
 #include "shared/io/ply.h"
 #include "tests/offboard/map/made_sheets.h"
+#include "tests/offboard/map/made_tiles.h"
 
 namespace kt::test {
 namespace {

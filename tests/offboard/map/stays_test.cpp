@@ -8,9 +8,11 @@
 #include "offboard/map/double_layers.h"
 #include "offboard/map/mesh_parts.h"
 #include "offboard/map/sheets.h"
+#include "offboard/map/slice_tiles.h"
 #include "offboard/map/weld.h"
 #include "shared/io/ply.h"
 #include "tests/offboard/map/made_slices.h"
+#include "tests/offboard/map/made_tiles.h"
 #include "tests/offboard/map/mesh_area.h"
 #include "tests/onboard/fusion/corridor.h"
 
@@ -18,6 +20,46 @@ namespace kt::test {
 namespace {
 
 using Stays = std::vector<std::vector<size_t>>;
+
+// The places of the slices of each stay.
+Stays stays_by(const StayFinder& finder, const std::vector<CloudSlice>& slices) {
+  std::vector<int64_t> sequences;
+  for (const CloudSlice& slice : slices) {
+    if (sequences.empty() || sequences.back() != slice.sequence) sequences.push_back(slice.sequence);
+  }
+  const std::map<int64_t, int32_t> stay_of = finder.stays(sequences);
+  Stays stays;
+  for (size_t i = 0; i < slices.size(); ++i) {
+    const auto stay = static_cast<size_t>(stay_of.at(slices[i].sequence));
+    if (stay == stays.size()) stays.emplace_back();
+    stays.at(stay).push_back(i);
+  }
+  return stays;
+}
+
+Stays stays_of(const std::vector<CloudSlice>& slices) {
+  StayFinder finder;
+  finder.add(slices, [](EdgeKey) { return true; });
+  return stays_by(finder, slices);
+}
+
+// Asked cube by cube, each with the cells beside it.
+Stays stays_in_tiles(const std::vector<CloudSlice>& slices, int32_t side) {
+  const ScratchDir folder;
+  const TileGrid grid{side};
+  SliceTiles tiles(grid, 1, folder / "slices");
+  for (const CloudSlice& slice : slices) tiles.add(0, slice);
+  StayFinder finder;
+  for (const TileId& id : tiles.tiles())
+    finder.add(tiles.read(id), [&](EdgeKey key) { return grid.is_within(id, key, 1); });
+  return stays_by(finder, slices);
+}
+
+std::vector<Mesh> weld_stays(const std::vector<CloudSlice>& slices, const Stays& stays) {
+  std::vector<Mesh> meshes;
+  for (const auto& stay : stays) meshes.push_back(weld(std::span(slices).subspan(stay.front(), stay.size())));
+  return meshes;
+}
 
 CloudSlice moved(CloudSlice slice, Vec3f by_m) {
   for (SliceVertex& vertex : slice.vertices) vertex.p_odom = vertex.p_odom + by_m;
@@ -84,17 +126,30 @@ TEST(WeldStays, KeysJoinWithinAStayOnly) {
   EXPECT_EQ(all.triangles.size(), 2 * meshes[0].triangles.size());
 }
 
-TEST(WeldStays, SlicesWeldedAloneAreOneSheetOnceCoincidentVerticesAreJoined) {
+// The second and third slice agree with the first where they meet it, but not with each other; what the cube
+// of the last one sees of them is without the first.
+TEST(Stays, AKeyIsAskedForOnlyWhereAllItsCopiesAre) {
+  const auto bordering = [](float voxels) {
+    CloudSlice slice = made_floor(8, 9, 1);
+    for (SliceVertex& vertex : slice.vertices) {
+      if (vertex.key.voxel().x == 8) vertex.p_odom.z += 0.01f * voxels;
+    }
+    return slice;
+  };
   const std::vector<CloudSlice> slices =
-      in_sequence({made_floor(0, 5, 1), made_floor(5, 10, 1), made_floor(10, 15, 1)});
-  const OneSheet one = one_sheet(weld_stays(slices, Stays{{0}, {1}, {2}}), {});
-  EXPECT_EQ(one.dropped_triangles, 0);
-  Mesh joined = one.mesh;
-  join_coincident(joined);
-  const Mesh whole = weld(slices);
-  EXPECT_GT(one.mesh.vertices.size(), whole.vertices.size());
-  EXPECT_EQ(joined.vertices.size(), whole.vertices.size());
-  EXPECT_EQ(joined.triangles.size(), whole.triangles.size());
+      in_sequence({made_floor(0, 8, 1), bordering(0.009f), bordering(-0.009f), made_floor(9, 12, 1)});
+  EXPECT_EQ(stays_of(slices), (Stays{{0, 1, 2, 3}}));
+  EXPECT_EQ(stays_in_tiles(slices, 9), (Stays{{0, 1, 2, 3}}));
+}
+
+// Asked place by place, in cubes with a margin, or all at once.
+TEST(Stays, DoNotDependOnTheTiles) {
+  const std::vector<CloudSlice> slices = in_sequence(
+      {made_floor(0, 40, 1), raised_floor(38, 60, 0.5f), made_floor(30, 42, 1), raised_floor(0, 5, 0.5f),
+       raised_floor(50, 60, 0.5f), made_floor(39, 70, 1), made_floor(0, 9, 1)});
+  const Stays expected = stays_of(slices);
+  EXPECT_EQ(expected, (Stays{{0}, {1}, {2, 3, 4}, {5, 6}}));
+  for (const int32_t side : {4, 16}) EXPECT_EQ(stays_in_tiles(slices, side), expected) << side;
 }
 
 // A corridor there and back, with noise: what real slices are like.

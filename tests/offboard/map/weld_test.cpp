@@ -9,6 +9,7 @@
 #include <map>
 
 #include "shared/core/check.h"
+#include "shared/io/mesh_stream.h"
 #include "tests/offboard/map/made_slices.h"
 
 namespace kt {
@@ -42,7 +43,9 @@ CloudSlice height_field(int x0, int x1, int height) {
   return slice;
 }
 
-bool same(const Mesh& a, const Mesh& b) { return mesh_digest(a).value() == mesh_digest(b).value(); }
+bool same(const Mesh& a, const Mesh& b) {
+  return mesh_digest(stream_of(a)).value() == mesh_digest(stream_of(b)).value();
+}
 
 // Edges that belong to one triangle only, and those of more than two.
 std::pair<int, int> open_and_crowded_edges(const Mesh& mesh) {

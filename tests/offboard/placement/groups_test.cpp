@@ -42,7 +42,7 @@ TEST(Groups, TheMainOneHasTheMostGoodFramesOrIsTheEarliest) {
   EXPECT_EQ(main_of({pose_of(0, 0), pose_of(1, 1), pose_of(2, 1, kLost), pose_of(3, 1, kLost)}), 0u);
   EXPECT_EQ(main_of({pose_of(0, 7), pose_of(1, 3)}), 0u) << "the earliest is the one with the lowest number";
   Session session;
-  session.slices = {sample_slice()};
+  session.slices = {SliceInfo::of(sample_slice())};
   session.slices[0].segment = 0;
   session.trajectory = {pose_of(0, 1, kLost)};
   const PlacedMission placed = placed_as(session, {1});
@@ -52,7 +52,7 @@ TEST(Groups, TheMainOneHasTheMostGoodFramesOrIsTheEarliest) {
 TEST(Groups, JoinedSegmentsAreOneAndOthersStayApart) {
   Session session;
   session.trajectory = {pose_of(0, 0), pose_of(1, 1), pose_of(2, 2), pose_of(3, 0)};
-  session.slices = {sample_slice(), sample_slice()};
+  session.slices = std::vector(2, SliceInfo::of(sample_slice()));
   session.slices[0].segment = 2;
   session.slices[1].segment = 9;  // its poses are lost
   PlacedMission placed = placed_as(session, {0, 1, 0, 0});

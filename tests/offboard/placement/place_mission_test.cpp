@@ -56,9 +56,17 @@ double largest_error_m(const PlacedMission& placed) {
 
 const std::function<void(double)> kNobody = [](double) {};
 
+PlacedMission place_mission(const Session& session, const LoopConfig& config,
+                            const std::function<void(double)>& progress) {
+  std::vector<LoopClosure> candidates = find_loops(session, config, 0, progress);
+  MissionGraph measured = mission_graph(session.trajectory, candidates);
+  OptimisedGraph solution = solve_mission(measured, {});
+  return placed_mission(session, std::move(candidates), std::move(measured), std::move(solution));
+}
+
 TEST(PlaceMission, ClosuresTakeTheDriftOut) {
   const Session session = turning();
-  const PlacedMission odometry = place_mission(session, {.loops = LoopSource::kNone}, kNobody);
+  const PlacedMission odometry = place_mission(session, {.source = LoopSource::kNone}, kNobody);
   EXPECT_FALSE(odometry.is_optimised());
   for (size_t i = 0; i < odometry.T_world_camera.size(); ++i)
     EXPECT_EQ(odometry.T_world_camera[i].matrix(), session.trajectory[i].T_odom_camera.matrix());
@@ -73,7 +81,7 @@ TEST(PlaceMission, ClosuresTakeTheDriftOut) {
 
 TEST(PlaceMission, SegmentsAreJoinedByTheirClosures) {
   const Session session = turning(kTurn);
-  const PlacedMission apart = place_mission(session, {.loops = LoopSource::kNone}, kNobody);
+  const PlacedMission apart = place_mission(session, {.source = LoopSource::kNone}, kNobody);
   EXPECT_EQ(apart.group.front(), 0);
   EXPECT_EQ(apart.group.back(), 1);
   const PlacedMission joined = place_mission(session, {}, kNobody);
@@ -83,9 +91,9 @@ TEST(PlaceMission, SegmentsAreJoinedByTheirClosures) {
 
 TEST(PlaceMission, TheCollectorsClosuresServeToo) {
   Session session = turning();
-  EXPECT_FALSE(place_mission(session, {.loops = LoopSource::kLog}, kNobody).is_optimised());
+  EXPECT_FALSE(place_mission(session, {.source = LoopSource::kLog}, kNobody).is_optimised());
   session.loop_closures = place_mission(session, {}, kNobody).candidates;
-  const PlacedMission placed = place_mission(session, {.loops = LoopSource::kLog}, kNobody);
+  const PlacedMission placed = place_mission(session, {.source = LoopSource::kLog}, kNobody);
   EXPECT_TRUE(placed.is_optimised());
   EXPECT_LT(largest_error_m(placed), 0.1);
 }

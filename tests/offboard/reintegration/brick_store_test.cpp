@@ -47,8 +47,9 @@ TEST(BrickStore, GivesBackWhatItWasGivenInOrder) {
   EXPECT_THAT(contents(store, {{17, -16, 8}, {24, -8, 16}}), testing::IsEmpty()) << "it begins before";
   store.put(std::vector<StoredBrick>{brick_at({-4, 0, -1}, 10)});
   EXPECT_THAT(contents(store, kAll), testing::ElementsAre(10, 9, 7));
-  ASSERT_EQ(store.bricks().size(), 3u);
-  EXPECT_EQ(store.bricks()[0].x, -4);
+  ASSERT_EQ(store.blocks().size(), 2u) << "two bricks share one";
+  EXPECT_EQ(store.blocks()[0].x, -1);
+  EXPECT_EQ(store.blocks()[1].x, 0);
 }
 
 TEST(BrickStore, UsesThePlacesOfForgottenBricksAgain) {

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/report/map_report.h"
 
-#include <cmath>
 #include <gtest/gtest.h>
 
 #include "nlohmann/json.hpp"
 
 #include "offboard/map/weld.h"
 #include "tests/shared/wire/sample_messages.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -27,7 +27,7 @@ Session short_session() {
     pose.status = status;
     session.trajectory.push_back(pose);
   }
-  session.slices = {sample_slice()};
+  session.slices = {SliceInfo::of(sample_slice())};
   session.slices[0].segment = 0;
   for (const LoopVerdict verdict : {LoopVerdict::kTooFewInliers, LoopVerdict::kAccepted, LoopVerdict::kWeak,
                                     LoopVerdict::kTooFewInliers}) {
@@ -42,6 +42,7 @@ Session short_session() {
 // What came of a session whose poses nobody moved.
 struct Made {
   PlacedMission placed;
+  ScratchDir folder;
   std::vector<GroupMap> maps;
 
   explicit Made(Session& session) {
@@ -51,21 +52,29 @@ struct Made {
     }
     placed.candidates = session.loop_closures;
     for (Group& group : take_groups(session, placed)) {
-      Mesh map = weld(group.segments.front().slices);
+      MapMesh map{std::make_unique<StoredMesh>(folder / std::to_string(maps.size())), {}};
+      if (const auto& slices = group.segments.front().slices;
+          !slices.empty() && slices.front().vertices > 0) {
+        const Mesh mesh = weld(std::vector{sample_slice()});
+        map.mesh->add_vertices(mesh);
+        map.mesh->add_triangles(mesh.triangles);
+      }
       maps.push_back(
-          {std::move(group), std::move(map), SurfaceSource::kSlices, true, {}, maps.empty() ? "." : ""});
+          {std::move(group), std::move(map), SurfaceSource::kSlices, true, maps.empty() ? "." : ""});
     }
   }
 };
 
 std::string report_of(const Session& session, const Made& made, const RunFigures& run = {}) {
-  return map_report(session, made.placed, made.maps, 0, run);
+  const std::vector<MapFile> files{{"map.ply", 1000, "0123456789abcdef"}, {"poses.g2o", 30, "00"}};
+  return map_report(session, made.placed, made.maps, 0, files, run);
 }
 
 TEST(MapReport, HoldsTheFiguresOfTheSession) {
   Session session = short_session();
   const Made made(session);
-  const auto json = nlohmann::json::parse(report_of(session, made, {{"a.lcm"}, {{"load", 1.5}}, 1 << 20}));
+  const auto json =
+      nlohmann::json::parse(report_of(session, made, {{"a.lcm"}, {{"load", 1.5, true, 4}}, 1 << 20}));
   EXPECT_EQ(json["frames"]["processed"], 3);
   EXPECT_EQ(json["frames"]["good"], 2);
   EXPECT_EQ(json["frames"]["uncertain"], 0);
@@ -90,9 +99,14 @@ TEST(MapReport, HoldsTheFiguresOfTheSession) {
   EXPECT_EQ(step(LoopVerdict::kSurfaceMismatch), std::pair(0, 2));
   EXPECT_EQ(step(LoopVerdict::kWeak), std::pair(1, 1));
   EXPECT_EQ(json["map"]["triangles"], 3);
-  EXPECT_EQ(json["map"]["digest"], mesh_digest(made.maps[0].map).hex());
+  EXPECT_EQ(json["map"]["digest"], mesh_digest(made.maps[0].map.mesh->stream()).hex());
   EXPECT_FLOAT_EQ(json["map"]["high_m"][0], 0.4f);
-  EXPECT_EQ(json["run"]["steps_s"]["load"], 1.5);
+  EXPECT_EQ(json["files"][0],
+            nlohmann::json::parse(R"({"name": "map.ply", "bytes": 1000, "digest": "0123456789abcdef"})"));
+  EXPECT_EQ(json["digest"].get<std::string>().size(), 16u);
+  EXPECT_EQ(json["run"]["stages"][0],
+            nlohmann::json::parse(
+                R"({"name": "load", "seconds": 1.5, "from_file": true, "seconds_to_make": 4.0})"));
   EXPECT_EQ(json["run"]["peak_memory_bytes"], 1 << 20);
 }
 
@@ -118,10 +132,7 @@ TEST(MapReport, ListsSegmentsAndTellsMissionFromMainSegment) {
 TEST(MapReport, TellsOfTheExposure) {
   Session session = short_session();
   Made made(session);
-  FrameGains& gains = made.maps[0].gains.emplace();
-  gains.log_gains = {{0, {0, std::log(0.5), 0}}, {2, {0, std::log(2.0), 0.25}}};
-  gains.views = 2, gains.pairs = 7, gains.held_back = 3;
-  gains.disagreement_before = 0.06, gains.disagreement_after = 0.02, gains.are_applied = true;
+  made.maps[0].exposure = {2, 2, 7, 3, 0.06, 0.02, {1, 0.5, 1}, {1, 2, 1.25}, true};
   const auto exposure = nlohmann::json::parse(report_of(session, made))["segments"]["list"][0]["exposure"];
   EXPECT_EQ(exposure["applied"], true);
   EXPECT_EQ(exposure["frames"], 2);
@@ -130,16 +141,16 @@ TEST(MapReport, TellsOfTheExposure) {
   EXPECT_EQ(exposure["held_back"], 3);
   EXPECT_EQ(exposure["disagreement_before"], 0.06);
   EXPECT_EQ(exposure["disagreement_after"], 0.02);
-  EXPECT_NEAR(exposure["lowest_gain"][1].get<double>(), 0.5, 1e-12);
-  EXPECT_NEAR(exposure["highest_gain"][1].get<double>(), 2, 1e-12);
-  EXPECT_NEAR(exposure["highest_gain"][2].get<double>(), std::exp(0.25), 1e-12);
+  EXPECT_EQ(exposure["lowest_gain"][1], 0.5);
+  EXPECT_EQ(exposure["highest_gain"][1], 2);
+  EXPECT_EQ(exposure["highest_gain"][2], 1.25);
 }
 
 TEST(MapReport, OnlyRunDependsOnTheRun) {
   Session session = short_session();
   const Made made(session);
-  auto first = nlohmann::json::parse(report_of(session, made, {{"a.lcm"}, {{"load", 1.5}}, 1}));
-  auto second = nlohmann::json::parse(report_of(session, made, {{"b.lcm"}, {{"load", 2.5}}, 2}));
+  auto first = nlohmann::json::parse(report_of(session, made, {{"a.lcm"}, {{"load", 1.5, false, 1.5}}, 1}));
+  auto second = nlohmann::json::parse(report_of(session, made, {{"b.lcm"}, {{"load", 2.5, false, 2.5}}, 2}));
   EXPECT_NE(first, second);
   first.erase("run");
   second.erase("run");

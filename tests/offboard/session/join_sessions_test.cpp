@@ -5,7 +5,9 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
+#include "onboard/publish/log_sink.h"
 #include "tests/shared/wire/sample_messages.h"
+#include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
@@ -20,7 +22,7 @@ Session mission(int poses) {
   session.keyframes = {sample_keyframe()};
   session.keyframes[0].sequence = 1;
   session.keyframes[0].segment = 1;
-  session.slices = {sample_slice()};
+  session.slices = {SliceInfo::of(sample_slice())};
   session.slices[0].segment = 1;
   session.loop_closures = {sample_loop()};
   session.loop_closures[0].from = 0;
@@ -33,7 +35,10 @@ Session mission(int poses) {
 
 TEST(JoinSessions, NumbersGoOn) {
   const JoinedSession joined = join_sessions({mission(5), mission(3), mission(2)});
-  EXPECT_THAT(joined.first_sequences, testing::ElementsAre(0, 5, 8));
+  ASSERT_EQ(joined.missions.size(), 3u);
+  EXPECT_EQ(joined.missions[0].sequence, 0);
+  EXPECT_EQ(joined.missions[1].sequence, 5);
+  EXPECT_EQ(joined.missions[2].sequence, 8);
   const Session& all = joined.session;
   ASSERT_EQ(all.trajectory.size(), 10u);
   for (size_t i = 0; i < 10; ++i) EXPECT_EQ(all.trajectory[i].sequence, static_cast<int64_t>(i));
@@ -47,13 +52,33 @@ TEST(JoinSessions, NumbersGoOn) {
   ASSERT_EQ(all.slices.size(), 3u);
   EXPECT_EQ(all.slices[1].segment, 3);
   EXPECT_EQ(all.slices[1].sequence, all.slices[0].sequence * 2 + 1);
-  EXPECT_EQ(all.slices[2].vertices[0].pose_sequence, sample_slice().vertices[0].pose_sequence + 8);
   EXPECT_EQ(all.loop_closures[1].from, 5);
   EXPECT_EQ(all.loop_closures[1].to, 6);
   EXPECT_EQ(all.loop_closures[1].sequence, 2 * sample_loop().sequence + 1);
   EXPECT_EQ(all.integrity.events, 30);
   EXPECT_EQ(all.integrity.missing_messages, 3);
   EXPECT_EQ(all.last_status.frames_skipped, 6);
+}
+
+TEST(LoadSlices, AreThoseOfAllLogsNumberedOn) {
+  const ScratchDir folder;
+  for (const char* name : {"a.lcm", "b.lcm"}) {
+    LogSink sink(folder / name);
+    sink.on_session(sample_session());
+    sink.on_pose(sample_stamped_pose(0));
+    sink.on_slice(sample_slice());
+    sink.close();
+  }
+  std::vector<CloudSlice> slices;
+  load_slices(std::vector<MissionLog>{{folder / "a.lcm", {}}, {folder / "b.lcm", {8, 5, 3, 2}}},
+              [&](CloudSlice&& slice) { slices.push_back(std::move(slice)); });
+  ASSERT_EQ(slices.size(), 2u);
+  expect_equal(slices[0], sample_slice());
+  CloudSlice renumbered = sample_slice();
+  renumbered.sequence += 5;
+  renumbered.segment += 2;
+  for (SliceVertex& vertex : renumbered.vertices) vertex.pose_sequence += 8;
+  expect_equal(slices[1], renumbered);
 }
 
 TEST(JoinSessions, RefusesAnotherCameraOrVoxelSize) {

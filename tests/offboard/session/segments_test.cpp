@@ -19,7 +19,7 @@ StampedPose pose_of(int64_t sequence, int segment, TrackingStatus status = Track
 TEST(Segments, HoldTheirPosesAndSlicesInOrder) {
   Session session;
   session.trajectory = {pose_of(0, 5), pose_of(1, 2), pose_of(2, 2), pose_of(3, 5)};  // it came back to 5
-  session.slices = {sample_slice(), sample_slice(), sample_slice()};
+  session.slices = std::vector(3, SliceInfo::of(sample_slice()));
   session.slices[0].segment = session.slices[2].segment = 2;
   session.slices[1].segment = 9;  // its poses are lost
   for (int i = 0; i < 3; ++i) session.slices[static_cast<size_t>(i)].sequence = i;
@@ -36,7 +36,7 @@ TEST(Segments, HoldTheirPosesAndSlicesInOrder) {
   ASSERT_EQ(segments[0].slices.size(), 2u);
   EXPECT_EQ(segments[0].slices[0].sequence, 0);
   EXPECT_EQ(segments[0].slices[1].sequence, 2);
-  EXPECT_EQ(segments[0].slices[1].vertices.size(), sample_slice().vertices.size());
+  EXPECT_EQ(segments[0].slices[1].vertices, sample_slice().vertices.size());
   EXPECT_TRUE(segments[2].trajectory.empty());
 }
 
@@ -52,7 +52,7 @@ TEST(Segments, TheMainOneHasTheMostGoodFramesOrIsTheEarliest) {
   EXPECT_EQ(main_of({pose_of(0, 0), pose_of(1, 1), pose_of(2, 1, kLost), pose_of(3, 1, kLost)}), 0u);
   EXPECT_EQ(main_of({pose_of(0, 7), pose_of(1, 3)}), 0u) << "the earliest is the one with the lowest number";
   Session session;
-  session.slices = {sample_slice()};
+  session.slices = {SliceInfo::of(sample_slice())};
   session.slices[0].segment = 0;
   session.trajectory = {pose_of(0, 1, kLost)};
   EXPECT_EQ(main_segment(take_segments(session)), 1u) << "a segment without poses is no trajectory";

@@ -1,0 +1,30 @@
+// Usual rates: of two CPU cores, which TimeToGo corrects while it runs.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "offboard/app/expected_times.h"
+
+namespace kt {
+namespace {
+
+constexpr double kKeyframe_s = 0.02;    // looking for its loops
+constexpr double kPose_s = 5e-4;        // of the graph
+constexpr double kBentVertex_s = 4e-6;  // of a slice
+constexpr double kVertex_s = 2e-6;      // of the mesh, written
+constexpr double kFrame_s = 0.09;       // fused anew
+
+}  // namespace
+
+void expect_stages(const Session& session, SurfaceSource source, TimeToGo& time_to_go) {
+  const auto poses = static_cast<double>(session.trajectory.size());
+  double vertices = 0;
+  for (const SliceInfo& slice : session.slices) vertices += static_cast<double>(slice.vertices);
+  time_to_go.expect("loops", kKeyframe_s * static_cast<double>(session.keyframes.size()));
+  time_to_go.expect("optimise", kPose_s * poses);
+  if (source == SurfaceSource::kFrames) {
+    time_to_go.expect("fuse", kFrame_s * poses);
+  } else {
+    time_to_go.expect("deform", kBentVertex_s * vertices);
+  }
+  time_to_go.expect("mesh", kVertex_s * vertices);
+}
+
+}  // namespace kt
