@@ -20,13 +20,15 @@ constexpr int64_t kDoubtful = 3;
 
 }  // namespace
 
-FrameGains gains_of_frames(const Group& group, std::span<const MissionFrames> missions, const Session& session,
-                           const exec::Device& device, const PreprocessConfig& config,
+FrameGains gains_of_frames(const Group& group, std::span<const MissionFrames> missions,
+                           const Session& session, const exec::Device& device, const PreprocessConfig& config,
                            const std::function<void(double)>& progress) {
   ExposureEstimator estimator(device, session.header.calibration, config);
   for_each_placed_frame(
       group.trajectory(), missions,
-      [&](const RgbdFrame& frame, const Pose& T_world_camera, size_t) { estimator.add(frame, T_world_camera); },
+      [&](const RgbdFrame& frame, const Pose& T_world_camera, size_t) {
+        estimator.add(frame, T_world_camera);
+      },
       progress);
   return estimator.finish();
 }

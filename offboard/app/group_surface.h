@@ -30,14 +30,14 @@ void surface_of_slices(const Group& group, std::span<const MissionLog> logs, con
                        bool* is_in_place);
 
 /// How the frames of the group were exposed. Reads the sources to their end.
-FrameGains gains_of_frames(const Group& group, std::span<const MissionFrames> missions, const Session& session,
-                           const exec::Device& device, const PreprocessConfig& config,
+FrameGains gains_of_frames(const Group& group, std::span<const MissionFrames> missions,
+                           const Session& session, const exec::Device& device, const PreprocessConfig& config,
                            const std::function<void(double)>& progress);
 
 /// What all good frames of the group see, fused anew at the group's poses with their colours as `gains` has
-/// them; the sources may give other frames too. `session`: for the calibration, and the keyframes. `tiles`: the file (TileFile) that is written; one
-/// for voxels stands beside it meanwhile. Throws kt::Error where the frames are those of another mission:
-/// none has the stamp of a good pose, or keyframes show something else.
+/// them; the sources may give other frames too. `session`: for the calibration, and the keyframes. `tiles`:
+/// the file (TileFile) that is written; one for voxels stands beside it meanwhile. Throws kt::Error where the
+/// frames are those of another mission: none has the stamp of a good pose, or keyframes show something else.
 void surface_of_frames(const Group& group, std::span<const MissionFrames> missions, const Session& session,
                        const FrameGains& gains, const exec::Device& device, const ReintegrationConfig& config,
                        const std::filesystem::path& tiles, const std::function<void(double)>& progress);

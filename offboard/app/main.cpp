@@ -50,9 +50,10 @@ int main(int argc, char** argv) {
       "the recordings that the logs were made from, in their order: " + kt::joined(kt::source_specs()));
   app.add_option("--voxel-size", options.voxel_size_m, "of the surface fused anew (m); 0: the collector's")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--exposure", options.even_exposure,
-                 "even: frames fused anew are brought to one exposure and white balance, where their views agree "
-                 "better then; asis: as they were recorded")
+  app.add_option(
+         "--exposure", options.even_exposure,
+         "even: frames fused anew are brought to one exposure and white balance, where their views agree "
+         "better then; asis: as they were recorded")
       ->transform(CLI::CheckedTransformer(exposures).description("{even,asis}"))
       ->default_str("even");
   app.add_option("--format,-f", options.formats,

@@ -41,9 +41,9 @@ struct MapOptions {
   double voxel_size_m = 0;                   ///< of the surface fused anew; 0: the collector's
   /// Whether frames that are fused anew are brought to one exposure, where that makes views agree better.
   bool even_exposure = true;
-  bool keeps_stages = true;                  ///< in output/stages; else all is made, and nothing is left
-  std::optional<MapStage> from{};            ///< this stage and those behind it are made anew in any case
-  MapStage until = MapStage::kMesh;          ///< the last one that is run
+  bool keeps_stages = true;          ///< in output/stages; else all is made, and nothing is left
+  std::optional<MapStage> from{};    ///< this stage and those behind it are made anew in any case
+  MapStage until = MapStage::kMesh;  ///< the last one that is run
   exec::Device device = exec::Device::cpu();
   int threads = 0;  ///< of the CPU; 0: one per core
 };

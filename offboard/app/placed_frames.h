@@ -18,8 +18,8 @@ struct MissionFrames {
 };
 
 /// Reads the sources to their end and calls take(frame, T_world_camera, index of the pose) for the frames
-/// that have the stamp of a good pose, with its sequence; the sources may give other frames too. `poses` are in
-/// world. Is told the share done.
+/// that have the stamp of a good pose, with its sequence; the sources may give other frames too. `poses` are
+/// in world. Is told the share done.
 void for_each_placed_frame(const Trajectory& poses, std::span<const MissionFrames> missions,
                            const std::function<void(const RgbdFrame&, const Pose&, size_t)>& take,
                            const std::function<void(double)>& progress);

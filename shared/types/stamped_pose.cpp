@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/types/stamped_pose.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -40,6 +41,21 @@ std::optional<Vector6d> velocity_between(const StampedPose& from, const StampedP
 }
 
 }  // namespace
+
+std::vector<Vector6d> velocities(const Trajectory& trajectory) {
+  std::vector<Vector6d> result(trajectory.size(), Vector6d::Zero());
+  std::vector<int> motions(trajectory.size());
+  for (size_t i = 0; i + 1 < trajectory.size(); ++i) {
+    const auto velocity = velocity_between(trajectory[i], trajectory[i + 1]);
+    if (!velocity) continue;
+    for (const size_t end : {i, i + 1}) {
+      result[end] += *velocity;
+      ++motions[end];
+    }
+  }
+  for (size_t i = 0; i < result.size(); ++i) result[i] /= std::max(1, motions[i]);
+  return result;
+}
 
 Trajectory at_stamps(const Trajectory& measured, double stamp_delay_s) {
   if (stamp_delay_s == 0) return measured;

@@ -87,6 +87,10 @@ struct StampedPose {
 
 using Trajectory = std::vector<StampedPose>;
 
+/// Of the camera in its own frame at each pose, [rad/s; m/s]: the mean of the motions before and after it, as
+/// far as good or uncertain poses of its segment follow each other; zero where nothing is known.
+std::vector<Vector6d> velocities(const Trajectory& trajectory);
+
 /// Where the camera was at the stamps, for poses that were measured `stamp_delay_s` before them
 /// (Calibration::stamp_delay_s), by the velocity to the next pose or, where none follows, from the last one.
 /// Nothing else changes.

@@ -105,7 +105,7 @@ TEST(Reintegrator, FusesTheColoursOfOneExposure) {
     if (is_dark) {
       for (Rgb8& colour : frame.colour.pixels()) colour.r /= 2, colour.g /= 2;
     }
-    reintegrator.fuse(frame, corridor_pose(i), is_dark ? Vec3f{2, 2, 1} : Vec3f{1, 1, 1});
+    reintegrator.fuse(frame, corridor_pose(i), Vector6d::Zero(), is_dark ? Vec3f{2, 2, 1} : Vec3f{1, 1, 1});
   }
   int64_t vertices = 0, right = 0;
   const auto compare = [&](const CloudSlice& slice) {

@@ -56,6 +56,14 @@ TEST(AtStamps, MovesPosesToWhereTheCameraWasThen) {
   EXPECT_EQ(x_of(at_stamps(measured, 0)), x_of(measured));
 }
 
+TEST(Velocities, AreTheMeanOfTheMotionsAround) {
+  const Trajectory trajectory{pose_at(0, 0), pose_at(100'000, 0.1), pose_at(200'000, 0.4),
+                              pose_at(300'000, 5, 1)};
+  const std::vector<double> expected{1, 2, 3, 0};
+  const std::vector<Vector6d> found = velocities(trajectory);
+  for (size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(found.at(i)(3), expected[i], 1e-12) << i;
+}
+
 TEST(AtStamps, DoesNotTrustPosesThatAreRepeated) {
   Trajectory measured{pose_at(0, 0), pose_at(100'000, 0.1), pose_at(200'000, 0.1)};
   measured[2].status = TrackingStatus::kLost;
