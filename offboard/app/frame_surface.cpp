@@ -1,10 +1,10 @@
 // Re-integration of one group.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <map>
 #include <utility>
 
 #include "offboard/app/group_surface.h"
+#include "offboard/exposure/exposure_estimator.h"
 #include "offboard/map/tile_file.h"
 #include "offboard/map/weld.h"
 #include "shared/core/check.h"
@@ -20,8 +20,21 @@ constexpr int64_t kDoubtful = 3;
 
 }  // namespace
 
+FrameGains gains_of_frames(const Group& group, std::span<const MissionFrames> missions,
+                           const Session& session, const exec::Device& device, const PreprocessConfig& config,
+                           const std::function<void(double)>& progress) {
+  ExposureEstimator estimator(device, session.header.calibration, config);
+  for_each_placed_frame(
+      group.trajectory(), missions,
+      [&](const RgbdFrame& frame, const Pose& T_world_camera, size_t) {
+        estimator.add(frame, T_world_camera);
+      },
+      progress);
+  return estimator.finish();
+}
+
 void surface_of_frames(const Group& group, std::span<const MissionFrames> missions, const Session& session,
-                       const exec::Device& device, const ReintegrationConfig& config,
+                       const FrameGains& gains, const exec::Device& device, const ReintegrationConfig& config,
                        const std::filesystem::path& tiles, const std::function<void(double)>& progress) {
   constexpr double kFusing = 0.9;  // of the work
   const Trajectory poses = group.trajectory();
@@ -29,33 +42,15 @@ void surface_of_frames(const Group& group, std::span<const MissionFrames> missio
   Reintegrator reintegrator(device, session.header.calibration, config, tiles.string() + ".bricks");
   std::map<int64_t, const Keyframe*> keyframes;  // by sequence
   for (const Keyframe& keyframe : session.keyframes) keyframes.emplace(keyframe.sequence, &keyframe);
-  int64_t count = 0, read = 0, fused = 0, shown = 0, not_shown = 0;
-  for (const MissionFrames& mission : missions) count += std::max<int64_t>(1, mission.source->frame_count());
-  for (const MissionFrames& mission : missions) {
-    std::map<int64_t, size_t> by_stamp;
-    for (size_t i = 0; i < poses.size(); ++i) {
-      const StampedPose& pose = poses[i];
-      const bool is_of_mission =
-          pose.sequence >= mission.first_sequence && pose.sequence < mission.end_sequence;
-      if (is_of_mission && pose.status == TrackingStatus::kGood) by_stamp.emplace(pose.timestamp_us, i);
-    }
-    if (by_stamp.empty()) continue;
-    FrameSource& source = *mission.source;
-    for (SourceItem item = source.next(); item.kind != SourceItem::Kind::kEnd; item = source.next()) {
-      if (item.kind != SourceItem::Kind::kFrame) continue;
-      const auto found = by_stamp.find(item.frame.timestamp_us);
-      if (found != by_stamp.end()) {
-        const StampedPose& pose = poses[found->second];
-        item.frame.sequence = pose.sequence;
-        reintegrator.fuse(item.frame, pose.T_odom_camera, motion[found->second]);
-        ++fused;
-        if (const auto keyframe = keyframes.find(pose.sequence); keyframe != keyframes.end())
-          ++(reintegrator.shows(keyframe->second->depth) ? shown : not_shown);
-        if (not_shown > shown + kDoubtful) throw Error(kOtherMission);
-      }
-      progress(kFusing * std::min(1.0, static_cast<double>(++read) / static_cast<double>(count)));
-    }
-  }
+  int64_t fused = 0, shown = 0, not_shown = 0;
+  const auto fuse = [&](const RgbdFrame& frame, const Pose& T_world_camera, size_t pose) {
+    reintegrator.fuse(frame, T_world_camera, motion[pose], gains.factor(frame.sequence));
+    ++fused;
+    if (const auto keyframe = keyframes.find(frame.sequence); keyframe != keyframes.end())
+      ++(reintegrator.shows(keyframe->second->depth) ? shown : not_shown);
+    if (not_shown > shown + kDoubtful) throw Error(kOtherMission);
+  };
+  for_each_placed_frame(poses, missions, fuse, [&](double share) { progress(kFusing * share); });
   if (fused == 0 || not_shown > shown) throw Error(kOtherMission);
   const TileGrid grid{reintegrator.tile_side()};
   TileWriter writer(tiles, grid);

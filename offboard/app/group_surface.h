@@ -4,14 +4,14 @@
 
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <span>
 
+#include "offboard/app/placed_frames.h"
+#include "offboard/exposure/frame_gains.h"
 #include "offboard/map/tile_grid.h"
 #include "offboard/placement/groups.h"
 #include "offboard/reintegration/reintegrator.h"
 #include "offboard/session/join_sessions.h"
-#include "onboard/source/frame_source.h"
 
 namespace kt {
 
@@ -31,18 +31,17 @@ void surface_of_slices(const Group& group, std::span<const MissionLog> logs, con
                        const std::filesystem::path& tiles, const std::function<void(double)>& progress,
                        bool* is_in_place);
 
-/// Where the frames of a mission come from, and which sequences the session gave them.
-struct MissionFrames {
-  std::unique_ptr<FrameSource> source;
-  int64_t first_sequence = 0, end_sequence = 0;
-};
+/// How the frames of the group were exposed. Reads the sources to their end.
+FrameGains gains_of_frames(const Group& group, std::span<const MissionFrames> missions,
+                           const Session& session, const exec::Device& device, const PreprocessConfig& config,
+                           const std::function<void(double)>& progress);
 
-/// What all good frames of the group see, fused anew at the group's poses; the sources may give other frames
-/// too. `session`: for the calibration, and the keyframes. `tiles`: the file (TileFile) that is written; one
-/// for voxels stands beside it meanwhile. Throws kt::Error where the frames are those of another mission:
-/// none has the stamp of a good pose, or keyframes show something else.
+/// What all good frames of the group see, fused anew at the group's poses with their colours as `gains` has
+/// them; the sources may give other frames too. `session`: for the calibration, and the keyframes. `tiles`:
+/// the file (TileFile) that is written; one for voxels stands beside it meanwhile. Throws kt::Error where the
+/// frames are those of another mission: none has the stamp of a good pose, or keyframes show something else.
 void surface_of_frames(const Group& group, std::span<const MissionFrames> missions, const Session& session,
-                       const exec::Device& device, const ReintegrationConfig& config,
+                       const FrameGains& gains, const exec::Device& device, const ReintegrationConfig& config,
                        const std::filesystem::path& tiles, const std::function<void(double)>& progress);
 
 }  // namespace kt

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
       {"optimise", kt::MapStage::kOptimise}, {"deform", kt::MapStage::kSurface},
       {"fuse", kt::MapStage::kSurface},      {"mesh", kt::MapStage::kMesh}};
   const char* const stage_names = "{load,loops,optimise,deform,fuse,mesh}";
+  const std::map<std::string, bool> exposures{{"even", true}, {"asis", false}};
   CLI::App app("Turns the logs of missions into map.ply, trajectory.txt, poses.g2o and report.json.",
                "kintsugi-map");
   app.add_option("logs", options.logs,
@@ -51,6 +52,12 @@ int main(int argc, char** argv) {
       "the recordings that the logs were made from, in their order: " + kt::joined(kt::source_specs()));
   app.add_option("--voxel-size", options.voxel_size_m, "of the surface fused anew (m); 0: the collector's")
       ->check(CLI::Range(0.0, 1.0));
+  app.add_option(
+         "--exposure", options.even_exposure,
+         "even: frames fused anew are brought to one exposure and white balance, where their views agree "
+         "better then; asis: as they were recorded")
+      ->transform(CLI::CheckedTransformer(exposures).description("{even,asis}"))
+      ->default_str("even");
   app.add_option("--format,-f", options.formats,
                  "of the map, one or several: ply, obj, glb (glTF), pcd (points)")
       ->delimiter(',')

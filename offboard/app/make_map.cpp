@@ -102,7 +102,8 @@ class MapRun {
   void make_surface() {
     groups_ = take_groups(joined_.session, placed_);
     const bool fuses = source_ == SurfaceSource::kFrames;
-    key_ = fuses ? fuse_key(key_, options_.frames, fusion_) : deform_key(key_, options_.surface_constraints);
+    key_ = fuses ? fuse_key(key_, options_.frames, fusion_, options_.even_exposure)
+                 : deform_key(key_, options_.surface_constraints);
     surface_stage_ = fuses ? "fuse" : "deform";
     std::vector<LoopClosure> closures;  // whose points bend the surface
     if (options_.surface_constraints && placed_.is_optimised()) closures = placed_.believed_closures();
@@ -153,6 +154,7 @@ class MapRun {
       map.group = std::move(groups_[i]);
       map.surface = surfaces_[i].source;
       map.is_in_place = surfaces_[i].is_in_place;
+      map.exposure = surfaces_[i].exposure;
       map.folder = folder_of(map, i == main);
       if (map.folder.empty()) continue;
       for (MapFile& file :

@@ -40,9 +40,11 @@ struct MapOptions {
   std::optional<SimplifyConfig> simplify{};  ///< fewer triangles
   std::vector<std::string> formats{"ply"};   ///< of the map: ply, obj, glb, pcd
   double voxel_size_m = 0;                   ///< of the surface fused anew; 0: the collector's
-  bool keeps_stages = true;                  ///< in output/stages; else all is made, and nothing is left
-  std::optional<MapStage> from{};            ///< this stage and those behind it are made anew in any case
-  MapStage until = MapStage::kMesh;          ///< the last one that is run
+  /// Whether frames that are fused anew are brought to one exposure, where that makes views agree better.
+  bool even_exposure = true;
+  bool keeps_stages = true;          ///< in output/stages; else all is made, and nothing is left
+  std::optional<MapStage> from{};    ///< this stage and those behind it are made anew in any case
+  MapStage until = MapStage::kMesh;  ///< the last one that is run
   exec::Device device = exec::Device::cpu();
   int threads = 0;  ///< of the CPU; 0: one per core
 };

@@ -58,9 +58,15 @@ void fields(Archive& archive, OptimisedGraph& value) {
 }
 
 template <typename Archive>
+void fields(Archive& archive, ExposureFigures& value) {
+  auto& [frames, views, pairs, held_back, before, after, lowest_gain, highest_gain, are_applied] = value;
+  archive(frames, views, pairs, held_back, before, after, lowest_gain, highest_gain, are_applied);
+}
+
+template <typename Archive>
 void fields(Archive& archive, GroupSurface& value) {
-  auto& [source, is_in_place] = value;
-  archive(source, is_in_place);
+  auto& [source, is_in_place, exposure] = value;
+  archive(source, is_in_place, exposure);
 }
 
 template <typename Archive>

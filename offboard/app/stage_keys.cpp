@@ -49,10 +49,10 @@ Digest deform_key(const Digest& optimise, bool surface_constraints) {
 }
 
 Digest fuse_key(const Digest& optimise, const std::vector<std::string>& frames,
-                const ReintegrationConfig& config) {
+                const ReintegrationConfig& config, bool even_exposure) {
   std::vector<std::string> sources;
   for (const std::string& spec : frames) sources.push_back(identity_of_source(spec));
-  return key_of(optimise.value(), sources, config);
+  return key_of(optimise.value(), sources, config, even_exposure);
 }
 
 }  // namespace kt

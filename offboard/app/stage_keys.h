@@ -16,6 +16,6 @@ Digest optimise_key(const Digest& loops, const PoseGraphOptions& options);
 Digest deform_key(const Digest& optimise, bool surface_constraints);
 /// `frames` as in MapOptions: of recordings in files the identity of these counts.
 Digest fuse_key(const Digest& optimise, const std::vector<std::string>& frames,
-                const ReintegrationConfig& config);
+                const ReintegrationConfig& config, bool even_exposure);
 
 }  // namespace kt

@@ -74,8 +74,16 @@ std::vector<GroupSurface> make_surfaces(SurfaceSource source, const Reintegratio
                         &surface.is_in_place);
     } else {
       surface.source = SurfaceSource::kFrames;
-      surface_of_frames(group, frames_of(options, joined), joined.session, options.device, fusion,
-                        tiles(group), tell_of_group);
+      constexpr double kLooking = 0.3;  // of the work
+      FrameGains gains;
+      if (options.even_exposure) {
+        gains = gains_of_frames(group, frames_of(options, joined), joined.session, options.device,
+                                fusion.preprocess, [&](double share) { tell_of_group(kLooking * share); });
+        surface.exposure = gains.figures;
+      }
+      const double looked = options.even_exposure ? kLooking : 0;
+      surface_of_frames(group, frames_of(options, joined), joined.session, gains, options.device, fusion,
+                        tiles(group), [&](double share) { tell_of_group(looked + (1 - looked) * share); });
     }
   }
   return surfaces;

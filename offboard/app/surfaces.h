@@ -20,6 +20,7 @@ namespace kt {
 struct GroupSurface {
   SurfaceSource source = SurfaceSource::kSlices;
   bool is_in_place = true;  ///< as GroupMap::is_in_place
+  ExposureFigures exposure{};
 };
 
 /// What options.surface comes to with these logs. Throws kt::Error where it asks for frames that are not

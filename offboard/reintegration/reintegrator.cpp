@@ -37,7 +37,8 @@ Reintegrator::Reintegrator(const exec::Device& device, const Calibration& calibr
       volume_(device, calibration.depth.pinhole(), config.volume),
       store_(scratch) {}
 
-void Reintegrator::fuse(const RgbdFrame& frame, const Pose& T_world_camera, const Vector6d& velocity) {
+void Reintegrator::fuse(const RgbdFrame& frame, const Pose& T_world_camera, const Vector6d& velocity,
+                        Vec3f colour_factor) {
   if (const auto place = volume_.next_place(T_world_camera)) {
     volume_.move_to(*place, [this](auto bricks) { store_.put(bricks); });
     const VoxelBounds inside = bounds_at(*place);
@@ -45,6 +46,7 @@ void Reintegrator::fuse(const RgbdFrame& frame, const Pose& T_world_camera, cons
     store_.erase(inside);  // a surface may turn out to be none
   }
   maps_ = &preprocessor_.process(frame);
+  preprocessor_.correct_colour(colour_factor);
   volume_.integrate(*maps_, T_world_camera, frame.sequence, FrameMotion(*maps_, velocity));
   last_us_ = frame.timestamp_us;
 }

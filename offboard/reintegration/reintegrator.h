@@ -30,8 +30,9 @@ class Reintegrator {
                const std::filesystem::path& scratch);
 
   /// Fuses a frame seen from T_world_camera by a camera that moves with `velocity`, in its own frame [rad/s;
-  /// m/s].
-  void fuse(const RgbdFrame& frame, const Pose& T_world_camera, const Vector6d& velocity = Vector6d::Zero());
+  /// m/s]. Its colours are multiplied by `colour_factor`; those that the camera has clipped count little.
+  void fuse(const RgbdFrame& frame, const Pose& T_world_camera, const Vector6d& velocity = Vector6d::Zero(),
+            Vec3f colour_factor = {1, 1, 1});
 
   /// Whether the frame that was fused last shows the depth that a keyframe has kept of it (Keyframe::depth).
   bool shows(const Image<uint16_t>& keyframe_depth) const;

@@ -181,6 +181,20 @@ Json optimisation_json(const PlacedMission& placed, std::span<const GroupMap> gr
           {"largest_correction_rad", correction_rad}};
 }
 
+// Gains of the frames' levels against their mean exposure: red, green, blue.
+Json exposure_json(const ExposureFigures& exposure) {
+  if (exposure.frames == 0) return nullptr;
+  return {{"applied", exposure.are_applied},
+          {"frames", exposure.frames},
+          {"views", exposure.views},
+          {"pairs", exposure.pairs},
+          {"held_back", exposure.held_back},
+          {"disagreement_before", exposure.disagreement_before},
+          {"disagreement_after", exposure.disagreement_after},
+          {"lowest_gain", exposure.lowest_gain},
+          {"highest_gain", exposure.highest_gain}};
+}
+
 Json group_json(const GroupMap& map) {
   const Trajectory trajectory = map.group.trajectory();
   const bool is_empty = trajectory.empty();
@@ -198,6 +212,7 @@ Json group_json(const GroupMap& map) {
           {"vertices", map.map.mesh->vertices()},
           {"triangles", map.map.mesh->triangles()},
           {"in_place", map.is_in_place},
+          {"exposure", exposure_json(map.exposure)},
           {"dropped_islands", map.map.islands.dropped_islands},
           {"path_length_m", path_length_m(trajectory)},
           {"folder", map.folder.empty() ? Json() : Json(map.folder)}};

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "offboard/exposure/frame_gains.h"
 #include "offboard/map/mesh_of_tiles.h"
 #include "offboard/placement/groups.h"
 #include "offboard/stages/stage_runner.h"
@@ -38,6 +39,7 @@ struct GroupMap {
   /// them.
   bool is_in_place = true;
   std::string folder;  ///< within the output folder: "." for the main group; "" where nothing is written
+  ExposureFigures exposure{};  ///< of frames fused anew
 };
 
 /// A file of the map, as it was written.

@@ -28,6 +28,8 @@ template <>
 inline constexpr bool kIsPlain<Rgb8> = true;
 template <>
 inline constexpr bool kIsPlain<std::array<uint32_t, 3>> = true;
+template <>
+inline constexpr bool kIsPlain<std::array<double, 3>> = true;
 
 /// Calls itself down to plain bytes, which `Bytes` writes or reads: plain types, Eigen matrices of fixed
 /// size, poses, texts, vectors, and every struct T for which `fields(archive, T&)` hands its members to

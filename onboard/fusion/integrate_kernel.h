@@ -155,7 +155,7 @@ struct FuseColumns {
   Rigid3f T_camera_volume;
   const int32_t* slots;  // selected bricks
   const FusionPixel* pixels;
-  const uint32_t* colours;  // rgba by pixel, or null
+  const uint32_t* colours;  // rgba by pixel, a = trust in it (255: full), or null
   float max_weight_units;
   uint8_t* column_fused;  // out, by element: whether the frame measured a voxel of the column
   RowMotion shutter{};
@@ -299,7 +299,8 @@ struct FuseColumns {
       fuse_colours<kLanes>(measured.pixel + z * kLanes, colour_weight, volume.colours + first);
   }
 
-  // The same running average for the colours of a row; a weight of 0 leaves one as it is.
+  // The same running average for the colours of a row, by weights that are times the trust in the colour, in
+  // whole units; a weight of 0 leaves one as it is.
   template <int kLanes>
   KT_HOST_DEVICE void fuse_colours(const int32_t* pixel, const float* weight, ColourVoxel* row) const {
     uint32_t rgba[kLanes];
@@ -307,7 +308,8 @@ struct FuseColumns {
     for (int l = 0; l < kLanes; ++l) {
       const ColourVoxel old = row[l];
       const auto w_old = static_cast<float>(old.weight_units());
-      const float w_new = rgba[l] ? weight[l] : 0.0f;
+      const float trust = static_cast<float>(static_cast<int32_t>(rgba[l] >> 24) + 1) * (1.0f / 256.0f);
+      const float w_new = rgba[l] ? min_of(max_of(floorf(weight[l] * trust), 1.0f), weight[l]) : 0.0f;
       const float share = w_new / max_of(w_old + w_new, 1.0f);
       const auto blend = [share](int32_t mean, uint32_t level) {
         const auto old_value = static_cast<float>(mean);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "onboard/preprocess/correct_colour_kernel.h"
 #include "onboard/preprocess/depth_kernel.h"
 #include "onboard/preprocess/occlusion_kernel.h"
 #include "shared/exec/for_each.h"
@@ -145,6 +146,13 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
                       static_cast<float>(std::cos(config_.max_view_angle_deg * std::numbers::pi / 180)),
                       max_slope_of(camera_, config_.max_view_angle_deg), maps_.fusion_pixels.data()});
   return maps_;
+}
+
+void Preprocessor::correct_colour(Vec3f factor) {
+  KT_CHECK(factor.x > 0 && factor.y > 0 && factor.z > 0, "a colour's factor must be positive");
+  if (!maps_.has_colour) return;
+  exec::for_each(device_, maps_.registered_colour.size(),
+                 CorrectColour{factor, maps_.registered_colour.data()});
 }
 
 }  // namespace kt

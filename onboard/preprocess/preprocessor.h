@@ -45,8 +45,8 @@ struct FrameMaps {
   int64_t timestamp_us = 0, colour_timestamp_us = 0;  ///< of the depth and of the colour image
   std::array<SurfaceLevel, kPyramidLevels> levels;    ///< 0 = full resolution
   exec::Buffer<FusionPixel> fusion_pixels;            ///< full resolution
-  /// Colour of each pixel of the depth camera, r in the low byte; a = 0 where there is none. Of an earlier
-  /// frame without colour.
+  /// Colour of each pixel of the depth camera, r in the low byte; a = trust in it, 255 for all but corrected
+  /// ones, 0 where there is none. Of an earlier frame without colour.
   exec::Buffer<uint32_t> registered_colour;
   IntensityPyramid intensity;  ///< of the colour camera; of an earlier frame without colour
   bool has_colour = false;
@@ -60,6 +60,10 @@ class Preprocessor {
 
   /// Image sizes must be the calibration's; colour may be empty. The result stays valid until the next call.
   const FrameMaps& process(const RgbdFrame& frame);
+
+  /// Multiplies the registered colour of the frame processed last by a factor per channel, and lets colours
+  /// that the camera has clipped count little (CorrectColour). Once per frame.
+  void correct_colour(Vec3f factor);
 
  private:
   void find_colour_positions(const DepthView& depth);

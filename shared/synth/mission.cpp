@@ -9,6 +9,7 @@
 #include "shared/core/digest.h"
 #include "shared/core/parallel.h"
 #include "shared/core/rng.h"
+#include "shared/synth/auto_exposure.h"
 
 namespace kt {
 namespace {
@@ -105,6 +106,7 @@ SyntheticMission::SyntheticMission(const std::string& name, const SynthOptions& 
   calibration_.name = "synthetic";
   calibration_.depth = calibration_.colour = scaled(Camera{}, options_.downscale);
   calibration_.depth_unit_m = 1.0 / 5000;
+  if (options_.auto_exposure) auto_gains_ = auto_exposure_gains(world_.scene, groundtruth_);
   // The smaller sensor measures as well as the full one: pixels are larger, disparities smaller.
   flaws_.focal_baseline_px_m /= options_.downscale;
   flaws_.disparity_step_px /= options_.downscale;
@@ -117,14 +119,15 @@ Pose SyntheticMission::T_world_camera_at(int64_t timestamp_us) const {
 }
 
 Vec3f SyntheticMission::gain(int64_t i) const {
-  if (!options_.exposure_drift) return {1, 1, 1};
+  const Vec3f set = auto_gains_.empty() ? Vec3f{1, 1, 1} : auto_gains_[static_cast<size_t>(i)];
+  if (!options_.exposure_drift) return set;
   const double t_s = static_cast<double>(i) / kFrameRate;
   const auto drift = [&](uint64_t stream, double size) {
     return 1 + size * slow_noise(t_s, seed_ ^ 0x5eed, stream);
   };
   const double all = drift(0, kGainDrift);
-  return {static_cast<float>(all * drift(1, kTintDrift)), static_cast<float>(all),
-          static_cast<float>(all * drift(2, kTintDrift))};
+  return {set.x * static_cast<float>(all * drift(1, kTintDrift)), set.y * static_cast<float>(all),
+          set.z * static_cast<float>(all * drift(2, kTintDrift))};
 }
 
 Image<Vec3f> SyntheticMission::blurred(int64_t i) const {
@@ -167,15 +170,19 @@ RgbdFrame SyntheticMission::render(int64_t i) const {
   return frame;
 }
 
-SurfaceMesh SyntheticMission::seen_surface(const SeenCriteria& criteria, int64_t stride) const {
+SeenSurface SyntheticMission::seen(const SeenCriteria& criteria, int64_t stride) const {
   const Camera camera = scaled(Camera{}, 2);
   const Renderer renderer(world_.scene, camera, options_.threads);
-  SeenSurface seen(world_.scene, criteria);
+  SeenSurface surface(world_.scene, criteria);
   for (int64_t i = 0; i < frame_count(); i += stride) {
     const Pose& T_world_camera = groundtruth_[static_cast<size_t>(i)].T_odom_camera;
-    seen.add(renderer.render(T_world_camera, false), camera, T_world_camera);
+    surface.add(renderer.render(T_world_camera, false), camera, T_world_camera);
   }
-  return seen.mesh();
+  return surface;
+}
+
+SurfaceMesh SyntheticMission::seen_surface(const SeenCriteria& criteria, int64_t stride) const {
+  return seen(criteria, stride).mesh();
 }
 
 }  // namespace kt

@@ -29,6 +29,7 @@ std::vector<std::string> synthetic_mission_names();
 struct SynthOptions {
   bool noise = true;  ///< flaws of the depth sensor and grain of the colour camera; without: exact, rounded
   bool exposure_drift = true;          ///< gain of the colour camera wanders slowly
+  bool auto_exposure = false;          ///< and follows what is in view, white balance too (AutoExposure)
   std::optional<int64_t> frames = {};  ///< only the first so many frames; the path stays the same
   int downscale = 1;  ///< 1 to 8: images this many times smaller, for quick tests; same field of view
   int threads = 0;    ///< 0 = all cores; frames do not depend on it
@@ -64,7 +65,8 @@ class SyntheticMission {
   Vec3f gain(int64_t i) const;
 
   /// The scene as the camera can have seen it: the cells met in exact views of 320 x 240 pixels at every
-  /// `stride`-th frame.
+  /// `stride`-th frame. Refers to scene().
+  SeenSurface seen(const SeenCriteria& criteria = {}, int64_t stride = 5) const;
   SurfaceMesh seen_surface(const SeenCriteria& criteria = {}, int64_t stride = 5) const;
 
  private:
@@ -77,6 +79,7 @@ class SyntheticMission {
   CameraPath path_;
   Trajectory groundtruth_;
   Calibration calibration_;
+  std::vector<Vec3f> auto_gains_;  // empty where exposure is not automatic
   DepthFlaws flaws_;
 };
 

@@ -122,14 +122,18 @@ Image<uint16_t> flawed_depth(const View& view, const Scene& scene, double unit_m
   return depth;
 }
 
+// A square root stands in for the sRGB curve: close to it, and the same on every machine.
+uint8_t colour_level(float light) {
+  const float clear = std::sqrt(std::clamp(light, 0.0f, 1.0f)) * 255.0f;
+  return static_cast<uint8_t>(static_cast<int>(clear + 0.5f));
+}
+
 Image<Rgb8> expose(const Image<Vec3f>& radiance, Vec3f gain, bool noise, uint64_t seed, int64_t frame,
                    int threads) {
   Image<Rgb8> colour(radiance.width(), radiance.height());
-  // A square root stands in for the sRGB curve: close to it, and the same on every machine.
   const auto level = [](float light, uint64_t bits) {
     const int grains = std::popcount(bits & 0xfffff) - 10;  // binomial: mean 0, variance 20 / 4
-    const float clear = std::sqrt(std::clamp(light, 0.0f, 1.0f)) * 255.0f;
-    return static_cast<uint8_t>(std::clamp(static_cast<int>(clear + 0.5f) + grains, 0, 255));
+    return static_cast<uint8_t>(std::clamp(colour_level(light) + grains, 0, 255));
   };
   for_each_in_parallel(colour.height(), threads, [&](int64_t row) {
     const int v = static_cast<int>(row);

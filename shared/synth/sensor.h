@@ -31,6 +31,9 @@ Image<uint16_t> exact_depth(const View& view, double unit_m);
 Image<uint16_t> flawed_depth(const View& view, const Scene& scene, double unit_m, const DepthFlaws& flaws,
                              uint64_t seed, int64_t frame, int threads);
 
+/// Level of linear light, without noise: the response curve of `expose`, rounded.
+uint8_t colour_level(float light);
+
 /// 8-bit colour: gain per channel, square-root response curve, and binomial noise of sigma 2.2 levels where
 /// `noise`.
 Image<Rgb8> expose(const Image<Vec3f>& radiance, Vec3f gain, bool noise, uint64_t seed, int64_t frame,

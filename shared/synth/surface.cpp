@@ -104,6 +104,7 @@ SeenSurface::SeenSurface(const Scene& scene, const SeenCriteria& criteria)
   }
   last_view_.assign(cells, -1);
   views_.assign(cells, 0);
+  from_behind_.assign(cells, 0);
 }
 
 void SeenSurface::add(const View& view, const Camera& camera, const Pose& T_world_camera) {
@@ -117,8 +118,9 @@ void SeenSurface::add(const View& view, const Camera& camera, const Pose& T_worl
       const Primitive& primitive = scene_.primitives()[index];
       if (primitive.material.infrared < criteria_.min_infrared) continue;
       const Vector3d p_camera((u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z);
-      const SurfacePoint at =
-          surface_point(primitive.shape, primitive.T_world_local.inverse() * (T_world_camera * p_camera));
+      const Pose T_local_world = primitive.T_world_local.inverse();
+      const Vector3d p_local = T_local_world * (T_world_camera * p_camera);
+      const SurfacePoint at = surface_point(primitive.shape, p_local);
       const Grid& grid = grids_[index][static_cast<size_t>(at.face)];
       const int column = std::clamp(static_cast<int>(at.s * grid.columns), 0, grid.columns - 1);
       const int row = std::clamp(static_cast<int>(at.t * grid.rows), 0, grid.rows - 1);
@@ -126,6 +128,8 @@ void SeenSurface::add(const View& view, const Camera& camera, const Pose& T_worl
                           static_cast<size_t>(column);
       if (last_view_[cell] == view_count_) continue;
       last_view_[cell] = view_count_;
+      const Vector3d to_camera = T_local_world * T_world_camera.translation() - p_local;
+      from_behind_[cell] = outward_normal(primitive.shape, at.face, p_local).dot(to_camera) < 0;
       if (views_[cell] < std::numeric_limits<uint16_t>::max()) ++views_[cell];
     }
   }
@@ -140,12 +144,44 @@ SurfaceMesh SeenSurface::mesh() const {
       const auto seen = [&](int column, int row) {
         const size_t cell = grid.first_cell + static_cast<size_t>(row) * static_cast<size_t>(grid.columns) +
                             static_cast<size_t>(column);
-        return views_[cell] >= criteria_.min_views;
+        return is_seen(cell);
       };
       add_face(scene_.primitives()[i], static_cast<int>(face), {grid.columns, grid.rows}, seen, &mesh);
     }
   }
   return mesh;
+}
+
+SurfaceColours SeenSurface::colours() const {
+  constexpr int kAcross = 3;  // points of a cell, either way
+  const double footprint_m = criteria_.cell_m / kAcross;
+  SurfaceColours colours;
+  const auto add = [&](const Primitive& primitive, const SurfacePoint& at, bool from_behind) {
+    const Vector3d p_local = point_on(primitive.shape, at), p_world = primitive.T_world_local * p_local;
+    const auto [a, b] = face_axes(primitive.shape, at.face);
+    const Vec3f paint = reflectance(primitive.material, static_cast<uint32_t>(at.face),
+                                    {p_local[a], p_local[b], footprint_m, footprint_m});
+    const Vector3d n_world =
+        primitive.T_world_local.linear() * outward_normal(primitive.shape, at.face, p_local);
+    colours.points.push_back(
+        {static_cast<float>(p_world.x()), static_cast<float>(p_world.y()), static_cast<float>(p_world.z())});
+    colours.radiance.push_back(paint *
+                               scene_.irradiance(p_world, from_behind ? Vector3d(-n_world) : n_world));
+  };
+  for (size_t i = 0; i < grids_.size(); ++i) {
+    for (int face = 0; face < static_cast<int>(grids_[i].size()); ++face) {
+      const auto [columns, rows, first_cell] = grids_[i][static_cast<size_t>(face)];
+      for (int k = 0; k < columns * rows * kAcross * kAcross; ++k) {
+        const int x = k % (columns * kAcross), y = k / (columns * kAcross);
+        const size_t cell = first_cell + static_cast<size_t>(y / kAcross) * static_cast<size_t>(columns) +
+                            static_cast<size_t>(x / kAcross);
+        if (is_seen(cell))
+          add(scene_.primitives()[i], {face, (x + 0.5) / (columns * kAcross), (y + 0.5) / (rows * kAcross)},
+              from_behind_[cell]);
+      }
+    }
+  }
+  return colours;
 }
 
 }  // namespace kt

@@ -19,6 +19,12 @@ struct SurfaceMesh {
   std::vector<std::array<uint32_t, 3>> triangles;
 };
 
+/// Points of a surface (world, m) and the light that comes from them (View::radiance).
+struct SurfaceColours {
+  std::vector<Vec3f> points;
+  std::vector<Vec3f> radiance;
+};
+
 /// Every face of every primitive, hidden ones too, in as few triangles as the accuracy allows.
 SurfaceMesh whole_surface(const Scene& scene);
 
@@ -42,7 +48,13 @@ class SeenSurface {
   /// The cells met in `min_views` views or more.
   SurfaceMesh mesh() const;
 
+  /// Their colours, each the mean over a square of a third of a cell around its point: of the side that was
+  /// seen last.
+  SurfaceColours colours() const;
+
  private:
+  bool is_seen(size_t cell) const { return views_[cell] >= criteria_.min_views; }
+
   struct Grid {
     int columns, rows;
     size_t first_cell;
@@ -52,6 +64,7 @@ class SeenSurface {
   std::vector<std::vector<Grid>> grids_;  // by primitive and face
   std::vector<int32_t> last_view_;        // by cell
   std::vector<uint16_t> views_;           // by cell
+  std::vector<uint8_t> from_behind_;      // by cell: seen against its outward normal
   int32_t view_count_ = 0;
 };
 

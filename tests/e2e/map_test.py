@@ -55,6 +55,24 @@ class MapTest(ProgramTest):
         self.assertTrue(0.9 < near / slices < 1.1, (near, slices))
         self.assertLess(near, 0.9 * far)
 
+    def test_frames_are_brought_to_one_exposure(self):
+        mission = WORK / "metered"
+        log, _ = self.collect(f"tum:{mission}")
+        errors = {}
+        for exposure in ("even", "asis"):
+            out = self.map_with(exposure, log, "--frames", f"tum:{mission}", "--exposure", exposure)
+            told = self.report(out)["segments"]["list"][0]["exposure"]
+            if exposure == "even":
+                self.assertTrue(told["applied"], told)
+                self.assertLess(told["disagreement_after"], 0.7 * told["disagreement_before"])
+            else:
+                self.assertIsNone(told)
+            surface = self.evaluate("surface", map=out / "map.ply", groundtruth=mission / "surface.ply",
+                                    seen=mission / "surface_seen.ply", colours=mission / "surface_colours.ply",
+                                    align_estimate=out / "trajectory.txt", align_groundtruth=mission / "groundtruth.txt")
+            errors[exposure] = surface["colour"]["mean_levels"]
+        self.assertLess(errors["even"], 0.9 * errors["asis"], errors)
+
     def test_two_halves_are_joined_by_what_both_saw(self):
         truth = WORK / "turning" / "groundtruth.txt"
         logs = []

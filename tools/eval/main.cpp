@@ -93,7 +93,7 @@ struct TrajectoryCommand {
 };
 
 struct SurfaceCommand {
-  std::string map, groundtruth, seen, align_estimate, align_groundtruth;
+  std::string map, groundtruth, seen, colours, align_estimate, align_groundtruth;
   bool mirror_groundtruth = false;
   SurfaceErrorOptions options;
   Output output;
@@ -103,6 +103,8 @@ struct SurfaceCommand {
     app.add_option("--groundtruth", groundtruth, "true surface, PLY")->required();
     app.add_option("--seen", seen,
                    "the part of the true surface that the camera saw, PLY; completeness is asked of it");
+    app.add_option("--colours", colours,
+                   "points of the true surface with colours, PLY; the map's are compared with them");
     auto* first =
         app.add_option("--align-estimate", align_estimate,
                        "trajectory that came with the map; aligning it to the true one places the map");
@@ -130,10 +132,18 @@ struct SurfaceCommand {
       T_groundtruth_map = align_poses(read_groundtruth(align_groundtruth), read_trajectory(align_estimate));
     }
     const Mesh truth = read_truth(groundtruth);
-    const SurfaceError error = surface_error(read_ply(map), truth, seen.empty() ? truth : read_truth(seen),
-                                             T_groundtruth_map, options);
+    const Mesh made = read_ply(map);
+    const SurfaceError error =
+        surface_error(made, truth, seen.empty() ? truth : read_truth(seen), T_groundtruth_map, options);
     if (!output.plot_file.empty()) plot_surface_error(error, options.threshold_m, output.plot_file);
-    output.print(surface_text(error, options), surface_json(error, options));
+    std::string text = surface_text(error, options);
+    nlohmann::ordered_json json = surface_json(error, options);
+    if (!colours.empty()) {
+      const ColourError colour = colour_error(made, read_truth(colours), T_groundtruth_map);
+      text += colour_text(colour);
+      json["colour"] = colour_json(colour);
+    }
+    output.print(text, json);
   }
 };
 

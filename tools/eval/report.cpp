@@ -8,6 +8,8 @@
 namespace kt {
 namespace {
 
+constexpr std::array<const char*, 3> kChannelNames{"red", "green", "blue"};
+
 nlohmann::ordered_json statistics_json(const Statistics& s, const std::string& unit) {
   return {{"rmse_" + unit, s.rmse},     {"mean_" + unit, s.mean},
           {"median_" + unit, s.median}, {"std_" + unit, s.standard_deviation},
@@ -133,6 +135,15 @@ nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErro
   return json;
 }
 
+nlohmann::ordered_json colour_json(const ColourError& error) {
+  nlohmann::ordered_json json = {{"mean_levels", error.mean}, {"vertices", error.compared}};
+  for (size_t channel = 0; channel < 3; ++channel) {
+    json[kChannelNames[channel]] = statistics_json(error.levels[channel], "levels");
+    json[kChannelNames[channel]]["factor"] = error.factor[channel];
+  }
+  return json;
+}
+
 nlohmann::ordered_json loops_json(const LoopEvaluation& loops) {
   nlohmann::ordered_json json = {{"keyframes", loops.keyframes},
                                  {"keyframes_left_out", loops.keyframes_left_out},
@@ -226,6 +237,15 @@ std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& o
          line("%-22s %.2f %% of the map, %.2f %% of the true surface; F-score %.2f %%\n",
               line("within %g mm", threshold_mm).c_str(), 100 * error.accurate_share,
               100 * error.complete_share, 100 * error.f_score);
+}
+
+std::string colour_text(const ColourError& error) {
+  std::string text;
+  for (size_t channel = 0; channel < 3; ++channel)
+    text += statistics_line(kChannelNames[channel], error.levels[channel], 1, "levels");
+  return text + line("%-22s %.2f levels, of %lld vertices; the map's levels times %.3f %.3f %.3f\n",
+                     "colour, mean", error.mean, static_cast<long long>(error.compared), error.factor[0],
+                     error.factor[1], error.factor[2]);
 }
 
 }  // namespace kt

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "offboard/map/double_layers.h"
+#include "tools/eval/colour_error.h"
 #include "tools/eval/consistency.h"
 #include "tools/eval/edge_consistency.h"
 #include "tools/eval/loop_evaluation.h"
@@ -26,6 +27,7 @@ nlohmann::ordered_json edges_json(const EdgeConsistency& edges);
 /// {"accuracy": {"mean_m", ..., "share"}, "completeness": share, "completeness_distance": {...}, "f_score",
 /// ...}
 nlohmann::ordered_json surface_json(const SurfaceError& error, const SurfaceErrorOptions& options);
+nlohmann::ordered_json colour_json(const ColourError& error);
 /// {"keyframes", ..., "candidates", "by_verdict": {"accepted", "too few matches", ...}, "accepted", "judged",
 /// "correct", "precision", "error": {"translation": {"median_m", "p95_m", "max_m"}, "rotation": {...}},
 /// "revisits": {"keyframes", "recalled", "recall", "unproposed", "by_verdict": {...}},
@@ -42,5 +44,6 @@ std::string layers_text(const DoubleLayers& layers);
 std::string edges_text(const EdgeConsistency& edges);
 std::string loops_text(const LoopEvaluation& loops);
 std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& options);
+std::string colour_text(const ColourError& error);
 
 }  // namespace kt

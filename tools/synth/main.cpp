@@ -23,12 +23,14 @@ int main(int argc, char** argv) {
   app.add_option("--exposure-drift", drift, "slow changes of the colour camera's gain")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
+  app.add_flag("--auto-exposure", options.auto_exposure,
+               "the colour camera's gain and white balance follow what is in view");
   app.add_option("--downscale", options.downscale, "divide the image size by this; same field of view")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
   app.add_flag("--odometry", odometry,
                "write odometry.txt too: the motion as wheels would measure it, 50 Hz, with drift");
-  app.add_flag("--no-surface", no_surface, "leave out surface.ply and surface_seen.ply");
+  app.add_flag("--no-surface", no_surface, "leave out surface.ply, surface_seen.ply and surface_colours.ply");
   app.add_option("--threads", threads, "frames made at a time; 0 = one per core, same files for any number")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -35,6 +35,14 @@ Mesh to_mesh(SurfaceMesh surface) {
   return mesh;
 }
 
+Mesh to_cloud(SurfaceColours surface) {
+  Mesh cloud;
+  cloud.vertices = std::move(surface.points);
+  for (const Vec3f& light : surface.radiance)
+    cloud.colours.push_back({colour_level(light.x), colour_level(light.y), colour_level(light.z)});
+  return cloud;
+}
+
 }  // namespace
 
 void write_mission_frames(const SyntheticMission& mission, const fs::path& folder, int threads,
@@ -70,7 +78,9 @@ void write_mission_odometry(const SyntheticMission& mission, const fs::path& fol
 void write_mission_surface(const SyntheticMission& mission, const fs::path& folder) {
   make_folder(folder);
   write_ply(folder / "surface.ply", to_mesh(whole_surface(mission.scene())));
-  write_ply(folder / "surface_seen.ply", to_mesh(mission.seen_surface()));
+  const SeenSurface seen = mission.seen();
+  write_ply(folder / "surface_seen.ply", to_mesh(seen.mesh()));
+  write_ply(folder / "surface_colours.ply", to_cloud(seen.colours()));
 }
 
 }  // namespace kt

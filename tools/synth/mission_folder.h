@@ -22,7 +22,8 @@ void write_mission_frames(const SyntheticMission& mission, const std::filesystem
 /// Writes odometry.txt: the camera's motion at 50 Hz as a robot's wheels would measure it.
 void write_mission_odometry(const SyntheticMission& mission, const std::filesystem::path& folder);
 
-/// Writes surface.ply (everything) and surface_seen.ply (what the camera can have seen).
+/// Writes surface.ply (everything), surface_seen.ply (what the camera can have seen) and surface_colours.ply
+/// (points of it and their colours).
 void write_mission_surface(const SyntheticMission& mission, const std::filesystem::path& folder);
 
 }  // namespace kt

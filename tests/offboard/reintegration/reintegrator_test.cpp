@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "offboard/reintegration/reintegrator.h"
 
+#include <cmath>
 #include <iterator>
 #include <optional>
 
@@ -90,6 +91,35 @@ TEST(Reintegrator, TilesMeetExactly) {
     }
   }
   EXPECT_GT(shared, 100);
+}
+
+// Frames exposed half and full in turn, the factor given with them: the map shows the scene's own colours.
+TEST(Reintegrator, FusesTheColoursOfOneExposure) {
+  const ScratchDir folder;
+  const Calibration calibration = small_calibration();
+  Reintegrator reintegrator(exec::Device::cpu(1), calibration, {near_only(), moving_volume()},
+                            folder / "bricks");
+  for (int i = 0; i < 8; ++i) {
+    RgbdFrame frame = render(corridor(), calibration, corridor_pose(i), {.sequence = i});
+    const bool is_dark = i % 2 == 1;
+    if (is_dark) {
+      for (Rgb8& colour : frame.colour.pixels()) colour.r /= 2, colour.g /= 2;
+    }
+    reintegrator.fuse(frame, corridor_pose(i), Vector6d::Zero(), is_dark ? Vec3f{2, 2, 1} : Vec3f{1, 1, 1});
+  }
+  int64_t vertices = 0, right = 0;
+  const auto compare = [&](const CloudSlice& slice) {
+    for (const SliceVertex& vertex : slice.vertices) {
+      const Vec3f p = vertex.p_odom;
+      const Eigen::Vector3d expected = AnalyticScene::colour({p.x, p.y, p.z});
+      ++vertices;
+      right += std::abs(vertex.colour.r - expected.x()) < 8 && std::abs(vertex.colour.g - expected.y()) < 8 &&
+               std::abs(vertex.colour.b - expected.z()) < 8;
+    }
+  };
+  reintegrator.extract(compare, [](double) {});
+  EXPECT_GT(vertices, 1000);
+  EXPECT_GT(static_cast<double>(right), 0.97 * static_cast<double>(vertices));
 }
 
 TEST(Reintegrator, GivesTheSameBitsOnEveryDevice) {

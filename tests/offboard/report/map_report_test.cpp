@@ -123,10 +123,27 @@ TEST(MapReport, ListsSegmentsAndTellsMissionFromMainSegment) {
   ASSERT_EQ(segments["list"].size(), 2u);
   EXPECT_EQ(segments["list"][0],
             nlohmann::json::parse(R"({"number": 0, "joined": [], "frames": 2, "good": 2, "first_us": 0,
-              "last_us": 1000000, "surface": "slices", "vertices": 5, "triangles": 3, "in_place": true, "dropped_islands": 0, "path_length_m": 7.0, "folder": "."})"));
+              "last_us": 1000000, "surface": "slices", "vertices": 5, "triangles": 3, "in_place": true, "exposure": null, "dropped_islands": 0, "path_length_m": 7.0, "folder": "."})"));
   EXPECT_EQ(segments["list"][1]["number"], 4);
   EXPECT_EQ(segments["list"][1]["good"], 0);
   EXPECT_TRUE(segments["list"][1]["folder"].is_null());
+}
+
+TEST(MapReport, TellsOfTheExposure) {
+  Session session = short_session();
+  Made made(session);
+  made.maps[0].exposure = {2, 2, 7, 3, 0.06, 0.02, {1, 0.5, 1}, {1, 2, 1.25}, true};
+  const auto exposure = nlohmann::json::parse(report_of(session, made))["segments"]["list"][0]["exposure"];
+  EXPECT_EQ(exposure["applied"], true);
+  EXPECT_EQ(exposure["frames"], 2);
+  EXPECT_EQ(exposure["views"], 2);
+  EXPECT_EQ(exposure["pairs"], 7);
+  EXPECT_EQ(exposure["held_back"], 3);
+  EXPECT_EQ(exposure["disagreement_before"], 0.06);
+  EXPECT_EQ(exposure["disagreement_after"], 0.02);
+  EXPECT_EQ(exposure["lowest_gain"][1], 0.5);
+  EXPECT_EQ(exposure["highest_gain"][1], 2);
+  EXPECT_EQ(exposure["highest_gain"][2], 1.25);
 }
 
 TEST(MapReport, OnlyRunDependsOnTheRun) {

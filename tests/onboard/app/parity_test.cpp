@@ -102,7 +102,7 @@ std::set<std::string> listed_kernels() {
   return kernels;
 }
 
-// Bricks leave the volume and come back, as only the offboard side has them do.
+// Colours are corrected, and bricks leave the volume and come back, as only the offboard side has them do.
 uint64_t bricks_to_and_fro(const exec::Device& device, const FrameMark&) {
   const RecordedMission mission = moving_mission();
   Preprocessor preprocessor(device, mission.calibration, {});
@@ -111,7 +111,9 @@ uint64_t bricks_to_and_fro(const exec::Device& device, const FrameMark&) {
   const auto keep = [&kept](auto bricks) { kept.insert(kept.end(), bricks.begin(), bricks.end()); };
   const Vec3i here = *volume.next_place(Pose::Identity());
   volume.move_to(here, keep);
-  volume.integrate(preprocessor.process(mission.frames[0]), Pose::Identity(), 0);
+  const FrameMaps& maps = preprocessor.process(mission.frames[0]);
+  preprocessor.correct_colour({0.9f, 1.1f, 1.3f});
+  volume.integrate(maps, Pose::Identity(), 0);
   volume.move_to(here + Vec3i{0, kBlockSide, 2 * kBlockSide}, keep);
   EXPECT_GT(kept.size(), 100u);
   volume.move_to(here, keep);

@@ -166,6 +166,26 @@ TEST(FuseColumns, PixelsWithoutTrustOrColourChangeNothing) {
       << "no colour, no colour weight";
 }
 
+TEST(FuseColumns, ColoursWeighAsMuchAsTheyAreTrusted) {
+  const PinholeParams camera = small_calibration().depth.pinhole();
+  const exec::Device device = exec::Device::cpu(1);
+  TsdfVolume volume(device, camera, small_volume());
+  volume.follow(Pose::Identity());
+  const VolumeView view = volume.view();
+  const auto colour = [&] { return view.colours[view.index(Vec3i{0, 0, 50} - view.origin_voxel())]; };
+  // A trust of 15 is a sixteenth of the weight; what little there is shows where there is no other.
+  volume.integrate(uniform_maps(device, camera, wall_pixel(1.0f, 0.5f), 0x0f0000ffu), Pose::Identity(), 0);
+  EXPECT_NEAR(colour().r() / 256.0, 255, 0.01);
+  EXPECT_EQ(colour().weight_units(), 4);
+  volume.integrate(uniform_maps(device, camera, wall_pixel(1.0f, 0.5f), 0xff00ff00u), Pose::Identity(), 1);
+  EXPECT_NEAR(colour().r() / 256.0, 255 / 17.0, 0.01);
+  EXPECT_NEAR(colour().g() / 256.0, 255 * 16 / 17.0, 0.01);
+  EXPECT_EQ(colour().weight_units(), 68);
+  volume.integrate(uniform_maps(device, camera, wall_pixel(1.0f, 0.05f), 0x0f0000ffu), Pose::Identity(), 2);
+  EXPECT_EQ(colour().weight_units(), 69) << "a whole unit at least";
+  EXPECT_NEAR(voxel_at(volume, {0, 0, 1.0}).weight(), 1 + 6 / 128.0, 1e-6) << "depth is trusted all the same";
+}
+
 TEST(FuseColumns, CarvesAnObjectThatWentAway) {
   const AnalyticScene empty({Plane{{0, 0, -1}, -1.6}});
   const Sphere ball{{0.1, 0.05, 1.1}, 0.2};

@@ -232,6 +232,60 @@ TEST(SyntheticMission, ExposureDriftsSlowlyWithinItsBounds) {
   EXPECT_GT(high - low, 0.2);
 }
 
+TEST(SyntheticMission, AutomaticExposureFollowsWhatIsInView) {
+  const SynthOptions small{.noise = false, .exposure_drift = false, .downscale = 8, .threads = 1};
+  SynthOptions following = small;
+  following.auto_exposure = true;
+  const SyntheticMission fixed("apartment", small), automatic("apartment", following);
+  const auto level_of = [](const SyntheticMission& mission, int64_t i) {
+    double sum = 0;
+    const RgbdFrame frame = mission.render(i);
+    for (const Rgb8& colour : frame.colour.pixels()) sum += colour.g;
+    return sum / static_cast<double>(frame.colour.pixel_count());
+  };
+  double low = 255, high = 0, low_fixed = 255, high_fixed = 0;
+  for (int64_t i = 0; i < fixed.frame_count(); i += 150) {
+    low = std::min(low, level_of(automatic, i)), high = std::max(high, level_of(automatic, i));
+    low_fixed = std::min(low_fixed, level_of(fixed, i)),
+    high_fixed = std::max(high_fixed, level_of(fixed, i));
+  }
+  EXPECT_LT(high / low - 1, 0.5 * (high_fixed / low_fixed - 1)) << "the mean level changes less";
+  float darkest = 10, brightest = 0, reddest = 0, bluest = 0;
+  for (int64_t i = 0; i < automatic.frame_count(); ++i) {
+    const Vec3f gain = automatic.gain(i), before = automatic.gain(std::max<int64_t>(i - 1, 0));
+    darkest = std::min(darkest, gain.y), brightest = std::max(brightest, gain.y);
+    reddest = std::max(reddest, gain.x / gain.z), bluest = std::max(bluest, gain.z / gain.x);
+    EXPECT_NEAR(gain.y / before.y, 1, 0.15);
+  }
+  EXPECT_GT(brightest / darkest, 1.5);
+  EXPECT_GT(reddest * bluest, 1.1) << "white balance";
+}
+
+TEST(SyntheticMission, SeenColoursAreThoseOfTheFrames) {
+  const SyntheticMission mission(
+      "room", {.noise = false, .exposure_drift = false, .frames = 40, .downscale = 2, .threads = 1});
+  const SurfaceColours colours = mission.seen().colours();
+  ASSERT_GT(colours.points.size(), 1000u);
+  const RgbdFrame frame = mission.render(20);
+  const Pose T_camera_world = mission.groundtruth()[20].T_odom_camera.inverse();
+  const Camera& camera = mission.calibration().colour;
+  int64_t compared = 0, near = 0;
+  for (size_t i = 0; i < colours.points.size(); ++i) {
+    const Vec3f p = colours.points[i];
+    const Eigen::Vector3d p_camera = T_camera_world * Eigen::Vector3d(p.x, p.y, p.z);
+    if (p_camera.z() < 0.5) continue;
+    const Eigen::Vector2d pixel = camera.project(p_camera);
+    const auto u = static_cast<int>(pixel.x() + 0.5), v = static_cast<int>(pixel.y() + 0.5);
+    if (u < 0 || v < 0 || u >= camera.width || v >= camera.height) continue;
+    const double z_m = frame.depth(u, v) * mission.calibration().depth_unit_m;
+    if (std::abs(z_m - p_camera.z()) > 0.01) continue;  // hidden
+    ++compared;
+    near += std::abs(colour_level(colours.radiance[i].y) - frame.colour(u, v).g) < 12;
+  }
+  EXPECT_GT(compared, 1000);
+  EXPECT_GT(static_cast<double>(near), 0.85 * static_cast<double>(compared));
+}
+
 TEST(SyntheticMission, SeenSurfaceIsAPartOfTheRoomAndGrowsWithThePath) {
   const auto area = [](const SurfaceMesh& mesh) {
     double sum = 0;

@@ -78,6 +78,13 @@ TEST_F(SynthProgram, WritesAFolderThatReadsBackAsTheMission) {
   EXPECT_TRUE(fs::exists(folder_ / "surface_seen.ply"));
 }
 
+TEST_F(SynthProgram, WritesTheColoursOfWhatIsSeen) {
+  ASSERT_EQ(run("room " + folder_.string() + " --frames 60 --downscale 8").exit_code, 0);
+  const Mesh colours = read_ply(folder_ / "surface_colours.ply");
+  EXPECT_GT(colours.vertices.size(), 1000u);
+  EXPECT_EQ(colours.colours.size(), colours.vertices.size());
+}
+
 TEST_F(SynthProgram, OptionsReachTheFrames) {
   const std::string base = " --frames 1 --downscale 8 --no-surface";
   ASSERT_EQ(run("room " + (folder_ / "noisy").string() + base).exit_code, 0);
@@ -91,6 +98,9 @@ TEST_F(SynthProgram, OptionsReachTheFrames) {
                                {.noise = false, .exposure_drift = false, .frames = 1, .downscale = 8});
   EXPECT_EQ(read_colour(folder_ / "clean/rgb/1.000000.png"), clean.render(0).colour);
   EXPECT_FALSE(fs::exists(folder_ / "clean/surface.ply"));
+  ASSERT_EQ(run("room " + (folder_ / "auto").string() + base + " --auto-exposure").exit_code, 0);
+  EXPECT_EQ(depth("auto"), depth("noisy"));
+  EXPECT_NE(read_file(folder_ / "auto/rgb/1.000000.png"), read_file(folder_ / "noisy/rgb/1.000000.png"));
 }
 
 TEST_F(SynthProgram, WritesTheSameOdometryEveryTimeWhereAsked) {
