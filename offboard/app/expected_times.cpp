@@ -7,6 +7,7 @@ namespace {
 
 constexpr double kKeyframe_s = 0.02;    // looking for its loops
 constexpr double kPose_s = 5e-4;        // of the graph
+constexpr double kAdjusted_s = 0.03;    // a keyframe's features
 constexpr double kBentVertex_s = 4e-6;  // of a slice
 constexpr double kVertex_s = 2e-6;      // of the mesh, written
 constexpr double kFrame_s = 0.09;       // fused anew
@@ -19,6 +20,7 @@ void expect_stages(const Session& session, SurfaceSource source, TimeToGo& time_
   for (const SliceInfo& slice : session.slices) vertices += static_cast<double>(slice.vertices);
   time_to_go.expect("loops", kKeyframe_s * static_cast<double>(session.keyframes.size()));
   time_to_go.expect("optimise", kPose_s * poses);
+  time_to_go.expect("refine", kAdjusted_s * static_cast<double>(session.keyframes.size()));
   if (source == SurfaceSource::kFrames) {
     time_to_go.expect("fuse", kFrame_s * poses);
   } else {

@@ -22,9 +22,10 @@ int main(int argc, char** argv) {
                                                          {"none", kt::LoopRobustness::kNone}};
   const std::map<std::string, kt::MapStage> stages{
       {"load", kt::MapStage::kLoad},         {"loops", kt::MapStage::kLoops},
-      {"optimise", kt::MapStage::kOptimise}, {"deform", kt::MapStage::kSurface},
-      {"fuse", kt::MapStage::kSurface},      {"mesh", kt::MapStage::kMesh}};
-  const char* const stage_names = "{load,loops,optimise,deform,fuse,mesh}";
+      {"optimise", kt::MapStage::kOptimise}, {"refine", kt::MapStage::kRefine},
+      {"deform", kt::MapStage::kSurface},    {"fuse", kt::MapStage::kSurface},
+      {"mesh", kt::MapStage::kMesh}};
+  const char* const stage_names = "{load,loops,optimise,refine,deform,fuse,mesh}";
   const std::map<std::string, bool> exposures{{"even", true}, {"asis", false}};
   CLI::App app("Turns the logs of missions into map.ply, trajectory.txt, poses.g2o and report.json.",
                "kintsugi-map");
@@ -39,6 +40,8 @@ int main(int argc, char** argv) {
   app.add_option("--robust", options.graph.robustness, "whether false loop closures are looked for")
       ->transform(CLI::CheckedTransformer(robust).description("{gnc,none}"))
       ->default_str("gnc");
+  app.add_flag("!--no-refine", options.refines,
+               "leave poses and calibration as the pose graph and the log have them: no bundle adjustment");
   app.add_option(
          "--surface", options.surface,
          "frames: all frames fused anew at their optimised poses; slices: the collector's, bent to where the "

@@ -99,6 +99,18 @@ class MapRun {
     text_ += placed_text(placed_);
   }
 
+  void refine() {
+    key_ = refine_key(key_, options_.refines);
+    refinement_ = stages_.run("refine", key_, [&](const TellShare& tell) {
+      if (!options_.refines) return Refinement{};
+      return kt::refine(joined_.session, placed_.measured, placed_.solution, options_.threads, tell);
+    });
+    if (!refinement_.T_world_camera.empty()) placed_.T_world_camera = refinement_.T_world_camera;
+    Calibration& calibration = joined_.session.header.calibration;
+    calibration = changed(calibration, refinement_.change);
+    text_ += refined_text(refinement_);
+  }
+
   void make_surface() {
     groups_ = take_groups(joined_.session, placed_);
     const bool fuses = source_ == SurfaceSource::kFrames;
@@ -121,13 +133,14 @@ class MapRun {
     RunFigures run{{}, stages_.done(), peak_memory_bytes()};
     for (const std::filesystem::path& log : options_.logs) run.logs.push_back(log.string());
     write_file(options_.output / "report.json",
-               map_report(joined_.session, placed_, maps, main, files_, run));
+               map_report(joined_.session, placed_, refinement_, maps, main, files_, run));
     text_ += map_text(maps, main, options_);
   }
 
   std::string run() {
-    constexpr std::array<void (MapRun::*)(), 5> kStages = {
-        &MapRun::load, &MapRun::find_loops, &MapRun::optimise, &MapRun::make_surface, &MapRun::make_mesh};
+    constexpr std::array<void (MapRun::*)(), 6> kStages = {&MapRun::load,         &MapRun::find_loops,
+                                                           &MapRun::optimise,     &MapRun::refine,
+                                                           &MapRun::make_surface, &MapRun::make_mesh};
     for (size_t i = 0; i <= static_cast<size_t>(options_.until); ++i) {
       if (options_.from && i == static_cast<size_t>(*options_.from)) stages_.make_all();
       (this->*kStages[i])();
@@ -177,6 +190,7 @@ class MapRun {
   ReintegrationConfig fusion_;
   std::vector<LoopClosure> candidates_;
   PlacedMission placed_;
+  Refinement refinement_;
   std::vector<Group> groups_;
   std::string surface_stage_;
   std::vector<GroupSurface> surfaces_;

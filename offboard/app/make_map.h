@@ -23,14 +23,16 @@ enum class SurfaceChoice {
 };
 
 /// In their order. All but the mesh are kept in files (StageStore): `load` an index of the logs, `loops`
-/// all candidates, `optimise` the solved graph, the surface as `deform` or `fuse`, whichever made it.
-enum class MapStage { kLoad, kLoops, kOptimise, kSurface, kMesh };
+/// all candidates, `optimise` the solved graph, `refine` the poses after bundle adjustment, the surface as
+/// `deform` or `fuse`, whichever made it.
+enum class MapStage { kLoad, kLoops, kOptimise, kRefine, kSurface, kMesh };
 
 struct MapOptions {
   std::vector<std::filesystem::path> logs;  ///< one, or several of one camera, to be joined
   std::filesystem::path output;  ///< folder, made where it is missing; files of earlier runs are replaced
   LoopOptions loops{};
   PoseGraphOptions graph{};
+  bool refines = true;  ///< poses and calibration by features, where that proves better
   SurfaceChoice surface = SurfaceChoice::kAuto;
   bool surface_constraints = false;  ///< bent slices heed the inlier points of loop closures too
   /// Where the frames come from, as open_source takes it, in the order of the logs; empty: the logs

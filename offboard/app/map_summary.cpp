@@ -63,6 +63,15 @@ std::string placed_text(const PlacedMission& placed) {
          " proved closures believed\n";
 }
 
+std::string refined_text(const Refinement& refinement) {
+  std::string kept;
+  for (const RefinementStep& step : refinement.steps) {
+    if (step.is_kept) kept = listed(kept, step.name);
+  }
+  if (kept.empty()) return {};
+  return "refined by " + std::to_string(refinement.tracks) + " features: " + kept + "\n";
+}
+
 std::string map_text(std::span<const GroupMap> maps, size_t main, const MapOptions& options) {
   std::string names;
   for (const std::string& format : options.formats) names += map_file(format) + ", ";

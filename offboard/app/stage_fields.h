@@ -4,6 +4,7 @@
 
 #include "offboard/app/surfaces.h"
 #include "offboard/placement/place_mission.h"
+#include "offboard/refinement/refine.h"
 #include "offboard/reintegration/reintegrator.h"
 #include "offboard/session/load_session.h"
 #include "offboard/stages/stage_archive.h"
@@ -67,6 +68,30 @@ template <typename Archive>
 void fields(Archive& archive, GroupSurface& value) {
   auto& [source, is_in_place, exposure] = value;
   archive(source, is_in_place, exposure);
+}
+
+template <typename Archive>
+void fields(Archive& archive, CalibrationChange& value) {
+  auto& [focal, centre_px, colour_delay_s] = value;
+  archive(focal, centre_px, colour_delay_s);
+}
+
+template <typename Archive>
+void fields(Archive& archive, Comparison& value) {
+  auto& [before, after, sigmas] = value;
+  archive(before, after, sigmas);
+}
+
+template <typename Archive>
+void fields(Archive& archive, RefinementStep& value) {
+  auto& [name, change, held_back, is_kept] = value;
+  archive(name, change, held_back, is_kept);
+}
+
+template <typename Archive>
+void fields(Archive& archive, Refinement& value) {
+  auto& [tracks, tracks_held_back, observations, scale, steps, T_world_camera, change] = value;
+  archive(tracks, tracks_held_back, observations, scale, steps, T_world_camera, change);
 }
 
 template <typename Archive>

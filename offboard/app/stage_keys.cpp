@@ -44,15 +44,17 @@ Digest optimise_key(const Digest& loops, const PoseGraphOptions& options) {
   return key_of(loops.value(), options);
 }
 
-Digest deform_key(const Digest& optimise, bool surface_constraints) {
-  return key_of(optimise.value(), surface_constraints);
+Digest refine_key(const Digest& optimise, bool refines) { return key_of(optimise.value(), refines); }
+
+Digest deform_key(const Digest& refine, bool surface_constraints) {
+  return key_of(refine.value(), surface_constraints);
 }
 
-Digest fuse_key(const Digest& optimise, const std::vector<std::string>& frames,
+Digest fuse_key(const Digest& refine, const std::vector<std::string>& frames,
                 const ReintegrationConfig& config, bool even_exposure) {
   std::vector<std::string> sources;
   for (const std::string& spec : frames) sources.push_back(identity_of_source(spec));
-  return key_of(optimise.value(), sources, config, even_exposure);
+  return key_of(refine.value(), sources, config, even_exposure);
 }
 
 }  // namespace kt

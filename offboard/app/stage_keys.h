@@ -13,9 +13,10 @@ namespace kt {
 Digest load_key(const MapOptions& options);
 Digest loops_key(const Digest& load, const LoopOptions& config);
 Digest optimise_key(const Digest& loops, const PoseGraphOptions& options);
-Digest deform_key(const Digest& optimise, bool surface_constraints);
+Digest refine_key(const Digest& optimise, bool refines);
+Digest deform_key(const Digest& refine, bool surface_constraints);
 /// `frames` as in MapOptions: of recordings in files the identity of these counts.
-Digest fuse_key(const Digest& optimise, const std::vector<std::string>& frames,
+Digest fuse_key(const Digest& refine, const std::vector<std::string>& frames,
                 const ReintegrationConfig& config, bool even_exposure);
 
 }  // namespace kt

@@ -181,6 +181,30 @@ Json optimisation_json(const PlacedMission& placed, std::span<const GroupMap> gr
           {"largest_correction_rad", correction_rad}};
 }
 
+Json change_json(const CalibrationChange& change) {
+  return {{"focal_relative", change.focal},
+          {"centre_px", {change.centre_px.x(), change.centre_px.y()}},
+          {"colour_delay_s", change.colour_delay_s}};
+}
+
+// What bundle adjustment tried, and what held-back features said to it: errors as robust squares in sigmas.
+Json refinement_json(const Refinement& refinement) {
+  Json steps = Json::array();
+  for (const RefinementStep& step : refinement.steps) {
+    steps.push_back({{"name", step.name},
+                     {"kept", step.is_kept},
+                     {"error_before", step.held_back.before},
+                     {"error_after", step.held_back.after},
+                     {"sigmas", step.held_back.sigmas},
+                     {"found", change_json(step.change)}});
+  }
+  return {{"tracks", refinement.tracks},
+          {"tracks_held_back", refinement.tracks_held_back},
+          {"observations", refinement.observations},
+          {"steps", steps},
+          {"calibration_change", change_json(refinement.change)}};
+}
+
 // Gains of the frames' levels against their mean exposure: red, green, blue.
 Json exposure_json(const ExposureFigures& exposure) {
   if (exposure.frames == 0) return nullptr;
@@ -255,8 +279,9 @@ double path_length_m(const Trajectory& trajectory) {
   return length_m;
 }
 
-std::string map_report(const Session& session, const PlacedMission& placed, std::span<const GroupMap> groups,
-                       size_t main, std::span<const MapFile> files, const RunFigures& run) {
+std::string map_report(const Session& session, const PlacedMission& placed, const Refinement& refinement,
+                       std::span<const GroupMap> groups, size_t main, std::span<const MapFile> files,
+                       const RunFigures& run) {
   Digest content;
   const Json list = files_json(files, content);
   const Json report = {
@@ -270,6 +295,7 @@ std::string map_report(const Session& session, const PlacedMission& placed, std:
       {"loop_closures", loops_json(placed.candidates)},
       {"loop_closures_of_collector", loops_json(session.loop_closures)},
       {"optimisation", optimisation_json(placed, groups)},
+      {"refinement", refinement_json(refinement)},
       {"slices", slices_json(groups)},
       {"map", map_json(*groups[main].map.mesh)},
       {"segments", segments_json(groups, main)},

@@ -12,6 +12,7 @@
 #include "offboard/exposure/frame_gains.h"
 #include "offboard/map/mesh_of_tiles.h"
 #include "offboard/placement/groups.h"
+#include "offboard/refinement/refine.h"
 #include "offboard/stages/stage_runner.h"
 #include "shared/types/session.h"
 
@@ -55,7 +56,8 @@ double path_length_m(const Trajectory& trajectory);
 /// JSON text. "trajectory" and "map" are of groups[main], "segments" lists all, the rest is of the whole
 /// mission: `session` without its poses and slices, which the groups hold. All but "run" is the same for
 /// every run over the same log.
-std::string map_report(const Session& session, const PlacedMission& placed, std::span<const GroupMap> groups,
-                       size_t main, std::span<const MapFile> files, const RunFigures& run);
+std::string map_report(const Session& session, const PlacedMission& placed, const Refinement& refinement,
+                       std::span<const GroupMap> groups, size_t main, std::span<const MapFile> files,
+                       const RunFigures& run);
 
 }  // namespace kt

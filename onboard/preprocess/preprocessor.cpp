@@ -97,7 +97,7 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
   SurfaceLevel& full = maps_.levels[0];
 
   maps_.timestamp_us = frame.timestamp_us;
-  maps_.colour_timestamp_us = frame.colour_timestamp_us;
+  maps_.colour_timestamp_us = frame.colour_timestamp_us + std::llround(calibration_.colour_delay_s * 1e6);
   maps_.readout_s = calibration_.readout_s;
   raw_depth_.upload(frame.depth.pixels());
   exec::for_each_pixel(

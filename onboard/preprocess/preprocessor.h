@@ -42,7 +42,7 @@ struct SurfaceLevel {
 
 /// Everything the later stages read of one frame; lives on the device and is overwritten by the next frame.
 struct FrameMaps {
-  int64_t timestamp_us = 0, colour_timestamp_us = 0;  ///< of the depth and of the colour image
+  int64_t timestamp_us = 0, colour_timestamp_us = 0;  ///< when depth and colour were taken
   std::array<SurfaceLevel, kPyramidLevels> levels;    ///< 0 = full resolution
   exec::Buffer<FusionPixel> fusion_pixels;            ///< full resolution
   /// Colour of each pixel of the depth camera, r in the low byte; a = trust in it, 255 for all but corrected

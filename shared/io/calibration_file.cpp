@@ -99,7 +99,7 @@ Pose read_transform(const YAML::Node& node, const std::string& file) {
 Calibration parse(const YAML::Node& root, const std::string& file) {
   const Section top(root, file, "",
                     {"name", "depth", "colour", "T_colour_depth", "depth_unit_m", "invalid_depth",
-                     "readout_s", "stamp_delay_s"});
+                     "readout_s", "stamp_delay_s", "colour_delay_s"});
   Calibration calibration;
   if (top.has("name")) calibration.name = top.get<std::string>("name", "text");
   calibration.depth = read_camera(top.at("depth"), file, "depth.");
@@ -108,6 +108,7 @@ Calibration parse(const YAML::Node& root, const std::string& file) {
   calibration.depth_unit_m = top.number("depth_unit_m");
   if (top.has("readout_s")) calibration.readout_s = top.number("readout_s");
   if (top.has("stamp_delay_s")) calibration.stamp_delay_s = top.number("stamp_delay_s");
+  if (top.has("colour_delay_s")) calibration.colour_delay_s = top.number("colour_delay_s");
   if (top.has("invalid_depth")) {
     const auto value = top.get<int>("invalid_depth", "a whole number");
     if (value < 0 || value > 65535) top.fail("invalid_depth", "must lie in [0, 65535]");
@@ -167,6 +168,8 @@ std::string calibration_to_yaml(const Calibration& calibration) {
           "  # of a rolling shutter, first row to last; 0 = global\n";
   text += std::string("stamp_delay_s: ") + number_text(calibration.stamp_delay_s) +
           "  # from the middle row to the stamp\n";
+  text += std::string("colour_delay_s: ") + number_text(calibration.colour_delay_s) +
+          "  # colour images were taken so much later than stamped\n";
   return text;
 }
 

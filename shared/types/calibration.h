@@ -20,6 +20,8 @@ struct Calibration {
   /// less = from the last row to the first.
   double readout_s = 0;
   double stamp_delay_s = 0;  ///< an image is stamped so long after its middle row was taken
+  /// A colour image was taken so much later than its stamp says, if that of the depth image is right.
+  double colour_delay_s = 0;
 
   /// Whether colour pixel (u, v) looks along depth pixel (u, v): same intrinsics and no offset.
   bool is_registered() const;

@@ -85,6 +85,8 @@ class MapTest(ProgramTest):
         self.assertEqual(len(report["segments"]["list"]), 1, report["segments"])
         self.assertEqual(report["segments"]["list"][0]["joined"], [1])
         self.assertEqual(report["frames"]["processed"], 135)
+        residuals = report["optimisation"]["residuals"]
+        self.assertGreater(residuals["edges_between_segments"], 1, residuals)
         self.assertFalse((out / "segment-1").exists())
         error = self.evaluate("trajectory", estimate=out / "trajectory.txt", groundtruth=truth)
         self.assertLess(error["ate"]["rmse_m"], 0.01)
@@ -105,7 +107,7 @@ class MapTest(ProgramTest):
         out = self.folder / "killed"
         kills = 0
         # Killed when a stage has just been kept: the next one has begun.
-        for stage in ("load", "loops", "optimise"):
+        for stage in ("load", "loops", "optimise", "refine"):
             process = subprocess.Popen(command("map", *arguments, "--output", out), stdout=subprocess.DEVNULL,
                                        stderr=subprocess.STDOUT)
             deadline = time.monotonic() + 120
@@ -114,32 +116,32 @@ class MapTest(ProgramTest):
                 time.sleep(0.005)
             process.send_signal(signal.SIGKILL)
             kills += process.wait() == -signal.SIGKILL
-        self.assertEqual(kills, 3)
+        self.assertEqual(kills, 4)
         self.map_with("killed", *arguments)
-        self.assertEqual(self.taken(out), ["load", "loops", "optimise"])
+        self.assertEqual(self.taken(out), ["load", "loops", "optimise", "refine"])
         self.assertEqual(self.files(out), self.files(whole))
         self.assertEqual(self.report(out)["digest"], self.report(whole)["digest"])
 
         self.map_with("killed", *arguments, "--format", "glb", "--simplify", "0.5")
-        self.assertEqual(self.taken(out), ["load", "loops", "optimise", "fuse"])
+        self.assertEqual(self.taken(out), ["load", "loops", "optimise", "refine", "fuse"])
         self.map_with("killed", *arguments, "--voxel-size", "0.03")
-        self.assertEqual(self.taken(out), ["load", "loops", "optimise"])
+        self.assertEqual(self.taken(out), ["load", "loops", "optimise", "refine"])
         self.assertNotEqual(self.files(out), self.files(whole))
         # The files of a folder that has changed are other frames.
         moved = self.copy_of("turning")
         self.map_with("killed", log, "--frames", f"tum:{moved}")
-        self.assertEqual(self.taken(out), ["load", "loops", "optimise"])
+        self.assertEqual(self.taken(out), ["load", "loops", "optimise", "refine"])
         (out / "stages" / "optimise").write_bytes(b"rubbish")
         text = self.run_well("map", log, "--frames", f"tum:{moved}", "--output", out)
         self.assertIn("the stage optimise was made anew\n", text)
-        self.assertEqual(self.taken(out), ["load", "loops", "fuse"])
+        self.assertEqual(self.taken(out), ["load", "loops", "refine", "fuse"])
         self.assertEqual(self.files(out), self.files(whole))
 
     def test_a_full_disk_costs_one_stage(self):
         log, _ = self.collect(f"tum:{WORK / 'small'}")
-        out = self.map_with("map", log, "--until", "optimise")
+        out = self.map_with("map", log, "--until", "refine")
         self.assertEqual(sorted(path.name for path in (out / "stages").glob("*.json")),
-                         ["load.json", "loops.json", "optimise.json"])
+                         ["load.json", "loops.json", "optimise.json", "refine.json"])
 
         def limit_files():
             # A file at its limit fails to grow as one on a full disk does, once the signal is ignored.
@@ -150,7 +152,7 @@ class MapTest(ProgramTest):
                        restore_signals=False)
         self.assertFalse(list((out / "stages").glob("deform*")))
         self.map_with("map", log)
-        self.assertEqual(self.taken(out), ["load", "loops", "optimise"])
+        self.assertEqual(self.taken(out), ["load", "loops", "optimise", "refine"])
         self.run_badly("map", log, "--output", self.folder / "x", "--until", "loops", "--no-stages", naming=["leave nothing"])
 
     def test_formats_and_options(self):

@@ -132,7 +132,7 @@ TEST(MakeMap, WritesWhatTheLogHolds) {
       make_map(whole({{folder / "a.lcm"}, output}), [&steps](const std::string& step, double share, double) {
         if (share == 0) steps.push_back(step);
       });
-  EXPECT_EQ(steps, (std::vector<std::string>{"load", "loops", "optimise", "deform", "mesh"}));
+  EXPECT_EQ(steps, (std::vector<std::string>{"load", "loops", "optimise", "refine", "deform", "mesh"}));
   EXPECT_NE(summary.find("7 events, no damage"), std::string::npos) << summary;
 
   const Mesh map = read_ply(output / "map.ply");
@@ -233,7 +233,7 @@ TEST(MakeMap, GoesOnBehindWhateverStageWasLast) {
   make_map(options);
   EXPECT_FALSE(std::filesystem::exists(folder / "at once/stages"));
   options.keeps_stages = true;
-  const Names names{"load", "loops", "optimise", "deform"};
+  const Names names{"load", "loops", "optimise", "refine", "deform"};
   for (size_t last = 0; last < names.size(); ++last) {
     options.output = folder / names[last];
     options.until = static_cast<MapStage>(last);
@@ -262,7 +262,7 @@ TEST(MakeMap, OtherParametersRunWhatDependsOnThem) {
     make_map(options);
     return names;
   };
-  const Names all{"load", "loops", "optimise", "deform"};
+  const Names all{"load", "loops", "optimise", "refine", "deform"};
   EXPECT_EQ(taken_with([](MapOptions& o) { o.threads = 3; }), all);
   EXPECT_EQ(taken_with([](MapOptions& o) { o.islands = {}; }), all);
   EXPECT_EQ(taken_with([](MapOptions& o) { o.formats = {"obj"}; }), all);
@@ -270,6 +270,7 @@ TEST(MakeMap, OtherParametersRunWhatDependsOnThem) {
   EXPECT_EQ(taken_with([](MapOptions& o) { o.graph.robustness = LoopRobustness::kNone; }),
             Names({"load", "loops"}));
   EXPECT_EQ(taken_with([](MapOptions& o) { o.loops.search.verification.min_inliers = 3; }), Names({"load"}));
+  EXPECT_EQ(taken_with([](MapOptions& o) { o.refines = false; }), Names({"load", "loops", "optimise"}));
   EXPECT_EQ(taken_with([](MapOptions& o) { o.from = MapStage::kOptimise; }), Names({"load", "loops"}));
   EXPECT_EQ(taken_with([](MapOptions& o) { o.from = MapStage::kLoad; }), Names());
   EXPECT_EQ(taken_with([](MapOptions& o) { o.keeps_stages = false; }), Names());
@@ -291,7 +292,7 @@ TEST(MakeMap, ADamagedStageIsMadeAnew) {
   record_segments(folder / "a.lcm");
   make_map(whole({{folder / "a.lcm"}, folder / "whole"}));
   const auto output = folder / "map";
-  for (const char* file : {"load", "loops", "optimise", "deform", "deform-1"}) {
+  for (const char* file : {"load", "loops", "optimise", "refine", "deform", "deform-1"}) {
     make_map(whole({{folder / "a.lcm"}, output}));
     std::vector<uint8_t> bytes = read_bytes(output / "stages" / file);
     bytes.back() ^= 1;
@@ -301,7 +302,7 @@ TEST(MakeMap, ADamagedStageIsMadeAnew) {
     const std::string line =
         (output / "stages" / stage).string() + " was damaged: the stage " + stage + " was made anew\n";
     EXPECT_NE(text.find(line), std::string::npos) << text;
-    EXPECT_EQ(taken(output).size(), 3u);
+    EXPECT_EQ(taken(output).size(), 4u);
     expect_same_map(output, folder / "whole");
   }
 }

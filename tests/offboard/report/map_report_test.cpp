@@ -42,6 +42,7 @@ Session short_session() {
 // What came of a session whose poses nobody moved.
 struct Made {
   PlacedMission placed;
+  Refinement refinement;
   ScratchDir folder;
   std::vector<GroupMap> maps;
 
@@ -67,7 +68,7 @@ struct Made {
 
 std::string report_of(const Session& session, const Made& made, const RunFigures& run = {}) {
   const std::vector<MapFile> files{{"map.ply", 1000, "0123456789abcdef"}, {"poses.g2o", 30, "00"}};
-  return map_report(session, made.placed, made.maps, 0, files, run);
+  return map_report(session, made.placed, made.refinement, made.maps, 0, files, run);
 }
 
 TEST(MapReport, HoldsTheFiguresOfTheSession) {

@@ -31,6 +31,7 @@ TEST(CalibrationFile, SurvivesARoundTrip) {
     EXPECT_EQ(read.invalid_depth, written.invalid_depth);
     EXPECT_EQ(read.readout_s, written.readout_s);
     EXPECT_EQ(read.stamp_delay_s, written.stamp_delay_s);
+    EXPECT_EQ(read.colour_delay_s, written.colour_delay_s);
     EXPECT_TRUE(read.T_colour_depth.isApprox(written.T_colour_depth, 1e-14));
   }
 }

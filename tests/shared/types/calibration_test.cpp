@@ -56,6 +56,9 @@ TEST(Calibration, RejectsTimesThatNoCameraHas) {
   for (const double delay_s : {15.0, -2.0, kNaN})
     EXPECT_THAT(problem_after([=](Calibration& c) { c.stamp_delay_s = delay_s; }),
                 HasSubstr("stamp_delay_s"));
+  for (const double delay_s : {15.0, -2.0, kNaN})
+    EXPECT_THAT(problem_after([=](Calibration& c) { c.colour_delay_s = delay_s; }),
+                HasSubstr("colour_delay_s"));
   EXPECT_EQ(problem_after([](Calibration& c) { c.readout_s = -0.03, c.stamp_delay_s = 0.1; }), "");
 }
 

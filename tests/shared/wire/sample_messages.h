@@ -37,6 +37,7 @@ inline SessionHeader sample_session() {
   session.calibration.invalid_depth = 65535;
   session.calibration.readout_s = 0.0305;
   session.calibration.stamp_delay_s = 0.015;
+  session.calibration.colour_delay_s = -0.004;
   return session;
 }
 
@@ -169,6 +170,7 @@ inline void expect_equal(const SessionHeader& a, const SessionHeader& b) {
   EXPECT_EQ(a.calibration.invalid_depth, b.calibration.invalid_depth);
   EXPECT_EQ(a.calibration.readout_s, b.calibration.readout_s);
   EXPECT_EQ(a.calibration.stamp_delay_s, b.calibration.stamp_delay_s);
+  EXPECT_EQ(a.calibration.colour_delay_s, b.calibration.colour_delay_s);
 }
 inline void expect_equal(const StampedPose& a, const StampedPose& b) {
   EXPECT_EQ(a.sequence, b.sequence);
