@@ -38,6 +38,7 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
     if (reasons.size() < kReasonsKept) reasons.push_back(reason);
   };
   const auto take_sample = [&](MotionSample sample) {
+    sample = of_camera(sample, source.calibration().T_body_camera);
     if (!collector.add_motion_sample(sample)) {
       ++summary.motion_samples_refused;
       return keep_reason(summary.motion_refusals, "a motion sample does not continue those before it");

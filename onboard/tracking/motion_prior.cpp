@@ -52,7 +52,7 @@ std::optional<MotionPrior::Stretch> MotionPrior::stretch_after(size_t i, int64_t
       if (!last) return std::nullopt;
       stretch.twist = last->twist;
     } else {
-      const Pose T_begin_end = sample.T_prior_camera.inverse() * samples_[i + 1].T_prior_camera;
+      const Pose T_begin_end = sample.T_prior.inverse() * samples_[i + 1].T_prior;
       stretch.twist = log_se3(T_begin_end) / seconds(end_us - sample.timestamp_us);
     }
   }

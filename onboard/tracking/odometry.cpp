@@ -63,12 +63,15 @@ double step_factor(double dt_s) { return std::clamp(dt_s * kFrameRate_hz, 1.0, k
 
 Odometry::Odometry(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config)
     : config_(config),
+      T_odom_start_(calibration.T_body_camera),
       tracker_(device, calibration, config),
       rotation_aligner_(device, calibration),
       reference_(device, calibration, calibration.depth.pinhole().half().pixel_count()),
       keyframes_(device, calibration, config),
       views_(device, calibration),
-      last_surfaces_(device, calibration, 2) {}  // one is kept while the one before it is there
+      last_surfaces_(device, calibration, 2) {  // one is kept while the one before it is there
+  last_good_.T_odom_camera = T_odom_start_;
+}
 
 void Odometry::remember(const FrameMaps& maps, const ModelView& model) {
   rotation_aligner_.remember(maps);
@@ -337,6 +340,7 @@ StampedPose Odometry::start_segment(const FrameMaps& maps, int64_t sequence) {
   if (shows_a_place(maps)) {
     estimate.result.status = TrackingStatus::kGood;
     estimate.result.cause = TrackingCause::kNone;
+    estimate.result.T_odom_camera = T_odom_start_;
     estimate.source = PoseSource::kStart;
     estimate.from_sequence = sequence;
     estimate.segment = segments_++;

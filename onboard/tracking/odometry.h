@@ -27,10 +27,11 @@ class Odometry {
   Odometry(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config);
 
   /// Finds the pose of the next frame, whose stamp lies after the last one's. `model` is the surface as last
-  /// predicted, null as long as there was none: the first frame that measures enough is good, and its camera
-  /// is the odom frame of its segment. The pose's edge starts at the last good frame or, of a camera found
-  /// again, at a keyframe; a lost frame repeats the last good pose, with next to no information. A good pose
-  /// of another segment than the last one's needs another model: that of its own segment, or an empty one.
+  /// predicted, null as long as there was none: the first frame that measures enough is good, and the
+  /// body of its camera is the odom frame of its segment. The pose's edge starts at the last good frame or,
+  /// of a camera found again, at a keyframe; a lost frame repeats the last good pose, with next to no
+  /// information. A good pose of another segment than the last one's needs another model: that of its own
+  /// segment, or an empty one.
   StampedPose track(const FrameMaps& maps, const ModelView* model, const PredictSurface& predict,
                     const FindPlace& find_place, int64_t sequence);
 
@@ -100,6 +101,7 @@ class Odometry {
   StampedPose conclude(const FrameMaps& maps, const Estimate& estimate, int64_t sequence);
 
   TrackingConfig config_;
+  Pose T_odom_start_;  // of a segment
   Tracker tracker_;
   RotationAligner rotation_aligner_;
   PhotometricReference reference_;

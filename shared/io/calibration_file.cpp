@@ -34,8 +34,8 @@ class Section {
     }
   }
 
-  bool has(const char* key) const { return node_[key].IsDefined(); }
-  YAML::Node at(const char* key) const {
+  bool has(const std::string& key) const { return node_[key].IsDefined(); }
+  YAML::Node at(const std::string& key) const {
     if (!has(key)) fail(key, "is missing");
     return node_[key];
   }
@@ -83,8 +83,8 @@ Camera read_camera(const YAML::Node& node, const std::string& file, const std::s
   return camera;
 }
 
-Pose read_transform(const YAML::Node& node, const std::string& file) {
-  const Section section(node, file, "T_colour_depth.", {"translation_m", "quaternion_xyzw"});
+Pose read_transform(const Section& top, const std::string& key, const std::string& file) {
+  const Section section(top.at(key), file, key + ".", {"translation_m", "quaternion_xyzw"});
   const auto t = section.numbers("translation_m", 3, "three numbers [x, y, z]");
   const auto q = section.numbers("quaternion_xyzw", 4, "four numbers [x, y, z, w]");
   const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
@@ -98,13 +98,14 @@ Pose read_transform(const YAML::Node& node, const std::string& file) {
 
 Calibration parse(const YAML::Node& root, const std::string& file) {
   const Section top(root, file, "",
-                    {"name", "depth", "colour", "T_colour_depth", "depth_unit_m", "invalid_depth",
-                     "readout_s", "stamp_delay_s", "colour_delay_s"});
+                    {"name", "depth", "colour", "T_colour_depth", "T_body_camera", "depth_unit_m",
+                     "invalid_depth", "readout_s", "stamp_delay_s", "colour_delay_s"});
   Calibration calibration;
   if (top.has("name")) calibration.name = top.get<std::string>("name", "text");
   calibration.depth = read_camera(top.at("depth"), file, "depth.");
   calibration.colour = top.has("colour") ? read_camera(top.at("colour"), file, "colour.") : calibration.depth;
-  if (top.has("T_colour_depth")) calibration.T_colour_depth = read_transform(top.at("T_colour_depth"), file);
+  if (top.has("T_colour_depth")) calibration.T_colour_depth = read_transform(top, "T_colour_depth", file);
+  if (top.has("T_body_camera")) calibration.T_body_camera = read_transform(top, "T_body_camera", file);
   calibration.depth_unit_m = top.number("depth_unit_m");
   if (top.has("readout_s")) calibration.readout_s = top.number("readout_s");
   if (top.has("stamp_delay_s")) calibration.stamp_delay_s = top.number("stamp_delay_s");
@@ -135,6 +136,13 @@ std::string camera_text(const Camera& camera) {
   return text;
 }
 
+std::string transform_text(const Pose& T) {
+  Eigen::Quaterniond q(T.linear());
+  q.normalize();
+  return "  translation_m: " + list_text(T.translation()) + "\n  quaternion_xyzw: " + list_text(q.coeffs()) +
+         "\n";
+}
+
 }  // namespace
 
 Calibration calibration_from_yaml(const std::string& yaml, const std::string& name) {
@@ -150,8 +158,6 @@ Calibration read_calibration(const std::filesystem::path& path) {
 }
 
 std::string calibration_to_yaml(const Calibration& calibration) {
-  Eigen::Quaterniond q(calibration.T_colour_depth.linear());
-  q.normalize();
   std::string text = "# Pixels; (0, 0) is the centre of the top left one.\n";
   YAML::Emitter name;  // quotes what needs quoting
   name << calibration.name;
@@ -159,8 +165,8 @@ std::string calibration_to_yaml(const Calibration& calibration) {
   text += "depth:\n" + camera_text(calibration.depth);
   text += "colour:\n" + camera_text(calibration.colour);
   text += "T_colour_depth:  # maps points of the depth camera to the colour camera\n";
-  text += "  translation_m: " + list_text(calibration.T_colour_depth.translation()) + "\n";
-  text += "  quaternion_xyzw: " + list_text(q.coeffs()) + "\n";
+  text += transform_text(calibration.T_colour_depth);
+  text += "T_body_camera:  # maps them to the robot's body\n" + transform_text(calibration.T_body_camera);
   text += std::string("depth_unit_m: ") + number_text(calibration.depth_unit_m) + "\n";
   text += std::string("invalid_depth: ") + std::to_string(calibration.invalid_depth) +
           "  # besides 0; 0 = no other\n";

@@ -16,7 +16,8 @@ inline constexpr double kDefaultRotationSigma = 0.02;     ///< rad per square ro
 inline constexpr double kDefaultTranslationSigma = 0.02;  ///< m per square root of a second
 
 /// The pose samples of `text`, in its order and numbered from 0: poses of the depth camera in the odometry's
-/// frame, as trajectory_from_text reads them. A comment before the first pose may say
+/// frame or, after a comment "# of body", of the robot's body, as trajectory_from_text reads them. A comment
+/// before the first pose may say
 /// "# rotation_sigma <v> translation_sigma <v>"; rotation_sigma is above 0, translation_sigma 0 where it is
 /// not measured. Throws kt::Error naming `name` and the line that is wrong.
 std::vector<MotionSample> odometry_from_text(std::string_view text, const std::string& name);

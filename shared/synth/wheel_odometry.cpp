@@ -40,7 +40,7 @@ std::vector<MotionSample> wheel_odometry(const SyntheticMission& mission, const 
       }
       const Eigen::Vector3d up_camera = T_world_camera.linear().transpose() * Eigen::Vector3d::UnitZ();
       error.head<3>() += flaws.yaw_drift_rps * period_s * up_camera;
-      sample.T_prior_camera = orthonormalised(sample.T_prior_camera * T_last_camera * exp_se3(error));
+      sample.T_prior = orthonormalised(sample.T_prior * T_last_camera * exp_se3(error));
       T_world_last = T_world_camera;
     }
     samples.push_back(sample);

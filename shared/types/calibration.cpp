@@ -8,7 +8,8 @@ namespace kt {
 
 bool Calibration::is_equal_to(const Calibration& other) const {
   return depth == other.depth && colour == other.colour &&
-         T_colour_depth.matrix() == other.T_colour_depth.matrix() && depth_unit_m == other.depth_unit_m &&
+         T_colour_depth.matrix() == other.T_colour_depth.matrix() &&
+         T_body_camera.matrix() == other.T_body_camera.matrix() && depth_unit_m == other.depth_unit_m &&
          invalid_depth == other.invalid_depth && readout_s == other.readout_s &&
          stamp_delay_s == other.stamp_delay_s && colour_delay_s == other.colour_delay_s;
 }
@@ -28,6 +29,8 @@ std::string Calibration::range_problem() const {
   if (const std::string text = colour.range_problem(); !text.empty()) return "colour camera: " + text;
   if (!is_valid_pose(T_colour_depth)) return "T_colour_depth is not a rigid transform";
   if (T_colour_depth.translation().norm() > 1) return "the cameras stand more than 1 m apart";
+  if (!is_valid_pose(T_body_camera)) return "T_body_camera is not a rigid transform";
+  if (T_body_camera.translation().norm() > 10) return "the camera stands more than 10 m from its body";
   if (!(depth_unit_m >= 1e-6 && depth_unit_m <= 0.1)) return "depth_unit_m must lie in [1e-6, 0.1]";
   if (!(std::abs(readout_s) <= 0.2)) return "readout_s must lie in [-0.2, 0.2]";
   if (!(std::abs(stamp_delay_s) <= 1)) return "stamp_delay_s must lie in [-1, 1]";

@@ -14,8 +14,12 @@ struct Calibration {
   Camera depth;      ///< undistorted before use
   Camera colour;
   Pose T_colour_depth = Pose::Identity();  ///< maps points of the depth camera to the colour camera (m)
-  double depth_unit_m = 0.001;             ///< metres per unit of the depth image
-  uint16_t invalid_depth = 0;  ///< a raw value that means "none" besides 0 (65535 in 7-Scenes); 0 = no other
+  /// Maps points of the depth camera to the body of the robot that carries it, of whatever convention, as x
+  /// forward, y left, z up of ROS REP 103. The odom frame is where the body was first: the identity makes
+  /// that the camera.
+  Pose T_body_camera = Pose::Identity();
+  double depth_unit_m = 0.001;  ///< metres per unit of the depth image
+  uint16_t invalid_depth = 0;   ///< a raw value that means "none" besides 0 (65535 in 7-Scenes); 0 = no other
   /// Of a rolling shutter: from the first row of an image to the last, of both cameras; 0 = global shutter,
   /// less = from the last row to the first.
   double readout_s = 0;

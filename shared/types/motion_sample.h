@@ -15,11 +15,18 @@ struct MotionSample {
     kVelocity = 1,  ///< holds until the next sample
   };
 
+  /// Whose motion it is.
+  enum class Of : uint8_t {
+    kCamera = 0,  ///< the depth camera's
+    kBody = 1,    ///< the robot's body's (Calibration::T_body_camera)
+  };
+
   int64_t sequence = 0;      ///< counts the samples, from 0
   int64_t timestamp_us = 0;  ///< sensor clock of the frames
   Kind kind = Kind::kPose;
-  Pose T_prior_camera = Pose::Identity();  ///< of kPose: depth camera in the frame of the stream
-  Vector6d velocity = Vector6d::Zero();  ///< of kVelocity: of the depth camera in its own frame (rad/s; m/s)
+  Of of = Of::kCamera;
+  Pose T_prior = Pose::Identity();       ///< of kPose: in the frame of the stream
+  Vector6d velocity = Vector6d::Zero();  ///< of kVelocity: in its own frame (rad/s; m/s)
   double rotation_sigma = 0;     ///< growth of its error (rad per square root of a second); 0 = not measured
   double translation_sigma = 0;  ///< the same of the translation (m per square root of a second)
 
@@ -29,5 +36,8 @@ struct MotionSample {
     return rotation_sigma > 0 || (kind == Kind::kVelocity && translation_sigma > 0);
   }
 };
+
+/// The same of the depth camera.
+MotionSample of_camera(const MotionSample& sample, const Pose& T_body_camera);
 
 }  // namespace kt

@@ -19,12 +19,12 @@ namespace kt {
 namespace {
 
 // Offsets as in lcmtypes/*.lcm; encode compares every message it makes with them.
-const MessageLayout kSessionLayout{.fixed_bytes = 324, .strings = 3};
+const MessageLayout kSessionLayout{.fixed_bytes = 420, .strings = 3};
 const MessageLayout kPoseLayout{.fixed_bytes = 348};
 const MessageLayout kSliceLayout{.fixed_bytes = 153, .arrays = {{145, 43}, {149, 12}}};
 const MessageLayout kStatusLayout{.fixed_bytes = 187};
 const MessageLayout kFrameLayout{.fixed_bytes = 52, .arrays = {{44, 1}, {48, 1}}};
-const MessageLayout kMotionLayout{.fixed_bytes = 197};
+const MessageLayout kMotionLayout{.fixed_bytes = 198};
 
 }  // namespace
 
@@ -66,6 +66,7 @@ std::vector<uint8_t> encode(const SessionHeader& session, int64_t message_sequen
   message.stamp_delay_s = session.calibration.stamp_delay_s;
   message.colour_delay_s = session.calibration.colour_delay_s;
   pack(session.calibration.T_colour_depth, message.T_colour_depth);
+  pack(session.calibration.T_body_camera, message.T_body_camera);
   message.depth = pack(session.calibration.depth);
   message.colour = pack(session.calibration.colour);
   message.calibration_name = session.calibration.name;
@@ -88,6 +89,7 @@ DecodeStatus decode(std::span<const uint8_t> bytes, SessionHeader& session) {
   value.calibration.depth = unpack(message.depth);
   value.calibration.colour = unpack(message.colour);
   value.calibration.T_colour_depth = unpack_pose(message.T_colour_depth);
+  value.calibration.T_body_camera = unpack_pose(message.T_body_camera);
   value.calibration.depth_unit_m = message.depth_unit_m;
   value.calibration.readout_s = message.readout_s;
   value.calibration.stamp_delay_s = message.stamp_delay_s;
@@ -274,11 +276,12 @@ std::vector<uint8_t> encode(const MotionSample& sample, int64_t message_sequence
   check_valid(sample, message_sequence);
   kintsugi::motion_t message{};
   message.sample = sample.sequence;
-  pack(sample.T_prior_camera, message.T_prior_camera);
+  pack(sample.T_prior, message.T_prior);
   std::copy(sample.velocity.begin(), sample.velocity.end(), message.velocity);
   message.rotation_sigma = sample.rotation_sigma;
   message.translation_sigma = sample.translation_sigma;
   message.kind = static_cast<int8_t>(sample.kind);
+  message.of = static_cast<int8_t>(sample.of);
   return seal(message, kMotionLayout, message_sequence, sample.timestamp_us);
 }
 
@@ -288,8 +291,8 @@ DecodeStatus decode(std::span<const uint8_t> bytes, MotionSample& sample) {
     return status;
   return accept(
       MotionSample{message.sample, message.header.timestamp_us, static_cast<MotionSample::Kind>(message.kind),
-                   unpack_pose(message.T_prior_camera), Vector6d(message.velocity), message.rotation_sigma,
-                   message.translation_sigma},
+                   static_cast<MotionSample::Of>(message.of), unpack_pose(message.T_prior),
+                   Vector6d(message.velocity), message.rotation_sigma, message.translation_sigma},
       sample);
 }
 

@@ -165,9 +165,9 @@ DecodeStatus validity(const CompressedFrame& frame) {
 DecodeStatus validity(const MotionSample& sample) {
   if (!std::isfinite(sample.rotation_sigma) || !std::isfinite(sample.translation_sigma)) return kNotFinite;
   const bool sane = is_count(sample.sequence) && is_stamp(sample.timestamp_us) &&
-                    sample.kind <= MotionSample::Kind::kVelocity && sample.rotation_sigma >= 0 &&
-                    sample.translation_sigma >= 0;
-  return sane ? first_of({check_velocity(sample.velocity), check_pose(sample.T_prior_camera)}) : kOutOfRange;
+                    sample.kind <= MotionSample::Kind::kVelocity && sample.of <= MotionSample::Of::kBody &&
+                    sample.rotation_sigma >= 0 && sample.translation_sigma >= 0;
+  return sane ? first_of({check_velocity(sample.velocity), check_pose(sample.T_prior)}) : kOutOfRange;
 }
 
 }  // namespace kt

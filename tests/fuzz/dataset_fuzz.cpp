@@ -53,7 +53,7 @@ void open_folder(const char* format, std::initializer_list<const char*> files, s
     });
     try_to([&] {
       for (const kt::MotionSample& sample : dataset.odometry()) {
-        if (!kt::is_valid_pose(sample.T_prior_camera) || !(sample.rotation_sigma > 0)) std::abort();
+        if (!kt::is_valid_pose(sample.T_prior) || !(sample.rotation_sigma > 0)) std::abort();
       }
     });
     for (int64_t i = 0; i < std::min<int64_t>(dataset.frame_count(), 3); ++i)

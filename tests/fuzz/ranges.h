@@ -98,9 +98,9 @@ inline bool hold(const CompressedFrame& frame) {
 }
 inline bool hold(const MotionSample& sample) {
   return hold(sample.sequence) && is_stamp(sample.timestamp_us) && static_cast<int>(sample.kind) <= 1 &&
-         hold(sample.T_prior_camera) && sample.velocity.cwiseAbs().maxCoeff() <= 1e4 &&
-         sample.rotation_sigma >= 0 && sample.translation_sigma >= 0 &&
-         std::isfinite(sample.rotation_sigma + sample.translation_sigma);
+         static_cast<int>(sample.of) <= 1 && hold(sample.T_prior) &&
+         sample.velocity.cwiseAbs().maxCoeff() <= 1e4 && sample.rotation_sigma >= 0 &&
+         sample.translation_sigma >= 0 && std::isfinite(sample.rotation_sigma + sample.translation_sigma);
 }
 
 }  // namespace kt::ranges

@@ -514,8 +514,8 @@ class Wheels {
       MotionSample sample;
       sample.sequence = sequence_++;
       sample.timestamp_us = next_us_;
-      sample.T_prior_camera.linear() = exp_so3({0, kDrift_rps * time_s(next_us_), 0}) * T.linear();
-      sample.T_prior_camera.translation() =
+      sample.T_prior.linear() = exp_so3({0, kDrift_rps * time_s(next_us_), 0}) * T.linear();
+      sample.T_prior.translation() =
           scale_ * (exp_so3({0, kDrift_rps * time_s(next_us_), 0}) * T.translation());
       sample.rotation_sigma = rotation_sigma;
       sample.translation_sigma = translation_sigma;

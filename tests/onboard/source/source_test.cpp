@@ -208,7 +208,7 @@ TEST(CheckedSource, AMotionSampleWithAWrongStampCostsItselfOnly) {
 
 TEST(CheckedSource, InsaneMotionSamplesAreSkippedWithAReasonAndAreNoFrames) {
   std::vector<MotionSample> samples(7, sample_at(1));
-  samples[0].T_prior_camera.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  samples[0].T_prior.translation().x() = std::numeric_limits<double>::quiet_NaN();
   samples[1].velocity[3] = 1e9;
   samples[2].rotation_sigma = -1;
   samples[3].rotation_sigma = 0;  // a pose without rotation

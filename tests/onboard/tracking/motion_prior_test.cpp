@@ -27,10 +27,10 @@ const Vector6d kTwist = twist_of(0.1, 0.8, -0.2, 0.3, -0.1, 0.6);
 
 int64_t after_us(double seconds) { return kStart_us + std::llround(seconds * 1e6); }
 
-MotionSample pose_sample(int64_t timestamp_us, const Pose& T_prior_camera) {
+MotionSample pose_sample(int64_t timestamp_us, const Pose& T_prior) {
   MotionSample sample;
   sample.timestamp_us = timestamp_us;
-  sample.T_prior_camera = T_prior_camera;
+  sample.T_prior = T_prior;
   sample.rotation_sigma = kRotationSigma;
   sample.translation_sigma = kTranslationSigma;
   return sample;
@@ -157,7 +157,7 @@ TEST(MotionPrior, AnInertialUnitTellsOfRotationOnly) {
     sample.translation_sigma = 0;
     EXPECT_TRUE(velocities.add(sample));
     sample.kind = MotionSample::Kind::kPose;
-    sample.T_prior_camera = pose_of({0, 0.01 * i * 180 / std::numbers::pi, 0}, {5.0 * i, 0, 0});
+    sample.T_prior = pose_of({0, 0.01 * i * 180 / std::numbers::pi, 0}, {5.0 * i, 0, 0});
     EXPECT_TRUE(poses.add(sample));
   }
   for (const MotionPrior* prior : {&velocities, &poses}) {
@@ -232,7 +232,7 @@ double mean_squared_error(bool velocities, double span_s) {
   double sum = 0;
   for (uint64_t stream = 0; stream < kStreams; ++stream) {
     MotionPrior prior;
-    Pose T_prior_camera = exp_se3(twist_of(0.3, 0.2, 0.1, 4, 5, 6));
+    Pose T_prior = exp_se3(twist_of(0.3, 0.2, 0.1, 4, 5, 6));
     for (int64_t k = 0; static_cast<double>(k) * period_s <= span_s + 0.1; ++k) {
       Vector6d error;  // of the stretch that begins here
       for (int axis = 0; axis < 6; ++axis) {
@@ -241,8 +241,8 @@ double mean_squared_error(bool velocities, double span_s) {
       }
       const int64_t stamp_us = kStart_us + k * kPeriod_us;
       EXPECT_TRUE(prior.add(velocities ? velocity_sample(stamp_us, kTwist + error / period_s)
-                                       : pose_sample(stamp_us, T_prior_camera)));
-      T_prior_camera = T_prior_camera * exp_se3(kTwist * period_s) * exp_se3(error);
+                                       : pose_sample(stamp_us, T_prior)));
+      T_prior = T_prior * exp_se3(kTwist * period_s) * exp_se3(error);
     }
     const auto motion = prior.between(kStart_us, after_us(span_s));
     if (!motion) return -1;

@@ -53,5 +53,43 @@ TEST(Odometry, AVelocityWithoutRotationFollowsTheTurnOfTheCamera) {
   }
 }
 
+// The same robot with its camera on a body that has x forward and z up: the odom frame is where the body was
+// first, and the wheels speak of the body.
+TEST(Odometry, OfACameraOnABodyBeginsWhereTheBodyIs) {
+  const exec::Device device = exec::Device::cpu(1);
+  Calibration calibration = small_calibration();
+  calibration.T_body_camera.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  calibration.T_body_camera.translation() = Eigen::Vector3d(0.2, 0.05, 0.9);
+  const AnalyticScene wall({Plane{{-1, 0, 0}, -2.2}});
+  Preprocessor preprocessor(device, calibration, {});
+  Odometry odometry(device, calibration, {});
+  constexpr double kInterval_s = 33'333e-6;
+  MotionSample wheels;
+  wheels.kind = MotionSample::Kind::kVelocity;
+  wheels.of = MotionSample::Of::kBody;
+  wheels.velocity(2) = 4 * std::numbers::pi / 180 / kInterval_s;
+  wheels.velocity(3) = 0.04 / kInterval_s;
+  wheels.rotation_sigma = wheels.translation_sigma = 0.005;
+  ModelView view;
+  const auto predict = [&](const Pose& T_odom_camera) -> const ModelView& {
+    view = exact_model_view(device, wall, calibration.depth.pinhole().half(), T_odom_camera);
+    return view;
+  };
+  for (int64_t sequence = 0; sequence < 6; ++sequence) {
+    const Pose T_odom_body = exp_se3(static_cast<double>(sequence) * kInterval_s * wheels.velocity),
+               truth = T_odom_body * calibration.T_body_camera;
+    RgbdFrame frame = render(wall, calibration, truth, {.sequence = sequence});
+    frame.colour = {};
+    wheels.sequence = sequence;
+    wheels.timestamp_us = frame.timestamp_us;
+    EXPECT_TRUE(odometry.add_motion_sample(of_camera(wheels, calibration.T_body_camera)));
+    const FrameMaps& maps = preprocessor.process(frame);
+    const StampedPose pose = odometry.track(maps, sequence == 0 ? nullptr : &view, predict, {}, sequence);
+    ASSERT_EQ(pose.status, TrackingStatus::kGood) << sequence;
+    EXPECT_POSE_NEAR(pose.T_odom_camera, truth, 0.2, 2e-3);
+    odometry.remember(maps, predict(pose.T_odom_camera));
+  }
+}
+
 }  // namespace
 }  // namespace kt::test

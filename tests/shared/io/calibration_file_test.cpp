@@ -23,6 +23,7 @@ TEST(CalibrationFile, SurvivesARoundTrip) {
   for (const std::string& name : builtin_calibration_names()) {
     Calibration written = builtin_calibration(name);
     written.T_colour_depth.linear() = exp_so3({0.01, -0.02, 0.03});
+    written.T_body_camera = exp_se3((Vector6d() << 0.1, -0.2, 1.5, 0.3, 0, 0.9).finished());
     const Calibration read = calibration_from_yaml(calibration_to_yaml(written), name);
     EXPECT_EQ(read.name, name);
     EXPECT_EQ(read.depth, written.depth);
@@ -33,6 +34,7 @@ TEST(CalibrationFile, SurvivesARoundTrip) {
     EXPECT_EQ(read.stamp_delay_s, written.stamp_delay_s);
     EXPECT_EQ(read.colour_delay_s, written.colour_delay_s);
     EXPECT_TRUE(read.T_colour_depth.isApprox(written.T_colour_depth, 1e-14));
+    EXPECT_TRUE(read.T_body_camera.isApprox(written.T_body_camera, 1e-14));
   }
 }
 

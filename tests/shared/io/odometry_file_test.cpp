@@ -21,7 +21,8 @@ TEST(OdometryFile, SurvivesARoundTrip) {
     xi << 0.1, 0.2, static_cast<double>(i), 1, 2, 3;
     written[i].sequence = static_cast<int64_t>(i);
     written[i].timestamp_us = 1305031102160407 + static_cast<int64_t>(i) * 20'000;
-    written[i].T_prior_camera = exp_se3(xi);
+    written[i].T_prior = exp_se3(xi);
+    written[i].of = MotionSample::Of::kBody;
     written[i].rotation_sigma = 0.0123;
     written[i].translation_sigma = 0.1 / 3;
   }
@@ -32,7 +33,8 @@ TEST(OdometryFile, SurvivesARoundTrip) {
     EXPECT_EQ(read[i].sequence, written[i].sequence);
     EXPECT_EQ(read[i].timestamp_us, written[i].timestamp_us);
     EXPECT_EQ(read[i].kind, MotionSample::Kind::kPose);
-    EXPECT_TRUE(read[i].T_prior_camera.isApprox(written[i].T_prior_camera, 1e-8));
+    EXPECT_EQ(read[i].of, MotionSample::Of::kBody);
+    EXPECT_TRUE(read[i].T_prior.isApprox(written[i].T_prior, 1e-8));
     EXPECT_EQ(read[i].rotation_sigma, 0.0123);
     EXPECT_EQ(read[i].translation_sigma, 0.1 / 3);
   }
@@ -53,7 +55,8 @@ TEST(OdometryFile, WithoutAHeadTheDefaultsHold) {
     const auto samples = odometry_from_text(std::string(head) + "1.5 1 2 3 0 0 0 1\n", "o");
     ASSERT_EQ(samples.size(), 1u);
     EXPECT_EQ(samples[0].timestamp_us, 1'500'000);
-    EXPECT_EQ(samples[0].T_prior_camera.translation(), Eigen::Vector3d(1, 2, 3));
+    EXPECT_EQ(samples[0].of, MotionSample::Of::kCamera);
+    EXPECT_EQ(samples[0].T_prior.translation(), Eigen::Vector3d(1, 2, 3));
     EXPECT_EQ(samples[0].rotation_sigma, kDefaultRotationSigma);
     EXPECT_EQ(samples[0].translation_sigma, kDefaultTranslationSigma);
   }

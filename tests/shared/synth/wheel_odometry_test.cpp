@@ -23,7 +23,7 @@ TEST(WheelOdometry, WithoutFlawsItIsThePathFromItsStart) {
     EXPECT_EQ(samples[i].sequence, static_cast<int64_t>(i));
     EXPECT_EQ(samples[i].kind, MotionSample::Kind::kPose);
     EXPECT_TRUE(
-        samples[i].T_prior_camera.isApprox(truth.front().T_odom_camera.inverse() * pose.T_odom_camera, 1e-9));
+        samples[i].T_prior.isApprox(truth.front().T_odom_camera.inverse() * pose.T_odom_camera, 1e-9));
   }
 }
 
@@ -32,7 +32,7 @@ TEST(WheelOdometry, TheSystematicPartIsAScaleAndAYaw) {
   const auto length = [](const std::vector<MotionSample>& samples) {
     double sum = 0;
     for (size_t i = 1; i < samples.size(); ++i)
-      sum += (samples[i - 1].T_prior_camera.inverse() * samples[i].T_prior_camera).translation().norm();
+      sum += (samples[i - 1].T_prior.inverse() * samples[i].T_prior).translation().norm();
     return sum;
   };
   WheelFlaws flaws = kNone;
@@ -42,8 +42,8 @@ TEST(WheelOdometry, TheSystematicPartIsAScaleAndAYaw) {
   flaws.yaw_drift_rps = 0.002;
   const auto drifted = wheel_odometry(mission, flaws);
   const Pose start = mission.groundtruth().front().T_odom_camera;
-  const Eigen::Matrix3d turn = start.linear() * drifted.back().T_prior_camera.linear() *
-                               exact.back().T_prior_camera.linear().transpose() * start.linear().transpose();
+  const Eigen::Matrix3d turn = start.linear() * drifted.back().T_prior.linear() *
+                               exact.back().T_prior.linear().transpose() * start.linear().transpose();
   const double duration_s =
       static_cast<double>(exact.back().timestamp_us - exact.front().timestamp_us) * 1e-6;
   EXPECT_LT((log_so3(turn) - Eigen::Vector3d(0, 0, 0.002 * duration_s)).norm(), 1e-9);
@@ -58,8 +58,8 @@ TEST(WheelOdometry, TheNoiseGrowsAsItsSigmasSay) {
     double rotation = 0, translation = 0;
     int count = 0;
     for (size_t i = stride; i < samples.size(); i += stride, ++count) {
-      const Pose measured = samples[i - stride].T_prior_camera.inverse() * samples[i].T_prior_camera;
-      const Pose truth = exact[i - stride].T_prior_camera.inverse() * exact[i].T_prior_camera;
+      const Pose measured = samples[i - stride].T_prior.inverse() * samples[i].T_prior;
+      const Pose truth = exact[i - stride].T_prior.inverse() * exact[i].T_prior;
       const Vector6d error = log_se3(truth.inverse() * measured);
       rotation += error.head<3>().squaredNorm();
       translation += error.tail<3>().squaredNorm();
@@ -78,15 +78,15 @@ TEST(WheelOdometry, IsTheSameEveryTimeAndAnotherForAnotherMission) {
   };
   const auto a = first("room"), b = first("room"), c = first("room-plain");  // on the same path
   ASSERT_EQ(a.size(), b.size());
-  EXPECT_EQ(a.back().T_prior_camera.matrix(), b.back().T_prior_camera.matrix());
-  EXPECT_NE(a.back().T_prior_camera.matrix(), c.back().T_prior_camera.matrix());
+  EXPECT_EQ(a.back().T_prior.matrix(), b.back().T_prior.matrix());
+  EXPECT_NE(a.back().T_prior.matrix(), c.back().T_prior.matrix());
 }
 
 TEST(WheelOdometry, FewerFramesOnlyCutItShort) {
   const auto few = wheel_odometry(SyntheticMission("room", {.frames = 31}));
   const auto all = wheel_odometry(SyntheticMission("room"));
   ASSERT_EQ(few.size(), 51u);
-  EXPECT_EQ(few.back().T_prior_camera.matrix(), all[50].T_prior_camera.matrix());
+  EXPECT_EQ(few.back().T_prior.matrix(), all[50].T_prior.matrix());
 }
 
 }  // namespace

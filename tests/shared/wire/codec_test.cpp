@@ -122,7 +122,7 @@ TEST(Codec, RefusesEveryOtherLength) {
 TEST(Codec, HostileCountsTakeNoMemory) {
   // Offsets of every count and string length; a decoder that believed 0x7fffffff would ask for gigabytes.
   const std::vector<std::pair<Message, std::vector<size_t>>> cases = {
-      {sample_session(), {324}},
+      {sample_session(), {420}},
       {sample_slice(), {145, 149}},
       {sample_keyframe(), {188, 192, 196, 200, 204, 208}},
       {sample_loop(), {336}},
@@ -145,7 +145,7 @@ TEST(Codec, HostileCountsTakeNoMemory) {
 
 TEST(Codec, RefusesTextThatDoesNotEndWhereItSays) {
   const Bytes bytes = encode(sample_session(), 0);
-  const size_t first = 328, size = sample_session().calibration.name.size();
+  const size_t first = 424, size = sample_session().calibration.name.size();
   Bytes early = bytes, late = bytes;
   early[first + 2] = 0;
   late[first + size] = 'x';

@@ -33,6 +33,7 @@ inline SessionHeader sample_session() {
   session.calibration.depth = {320, 240, 262.5, 262.75, 159.5, 119.25, {0.1, -0.2, 0.003, 0.004, 0.05}};
   session.calibration.colour = {640, 480, 517.3, 516.5, 318.6, 255.3, {0.26, -0.95, -0.005, 0.0026, 1.16}};
   session.calibration.T_colour_depth.translation() = Eigen::Vector3d(0.025, 0.001, -0.003);
+  session.calibration.T_body_camera.translation() = Eigen::Vector3d(0.2, 0, 0.9);
   session.calibration.depth_unit_m = 0.0002;
   session.calibration.invalid_depth = 65535;
   session.calibration.readout_s = 0.0305;
@@ -135,7 +136,14 @@ inline CompressedFrame sample_frame() {
 inline MotionSample sample_motion() {
   Vector6d velocity;
   velocity << 0.1, -0.2, 0.3, 1.5, 0, -1.0 / 3;
-  return {9, 1305031103310000, MotionSample::Kind::kVelocity, sample_pose(0.2), velocity, 0.01, 0.02};
+  return {9,
+          1305031103310000,
+          MotionSample::Kind::kVelocity,
+          MotionSample::Of::kBody,
+          sample_pose(0.2),
+          velocity,
+          0.01,
+          0.02};
 }
 
 /// One of each, in the order of kChannels.
@@ -166,6 +174,7 @@ inline void expect_equal(const SessionHeader& a, const SessionHeader& b) {
   EXPECT_EQ(a.calibration.depth, b.calibration.depth);
   EXPECT_EQ(a.calibration.colour, b.calibration.colour);
   EXPECT_EQ(a.calibration.T_colour_depth.matrix(), b.calibration.T_colour_depth.matrix());
+  EXPECT_EQ(a.calibration.T_body_camera.matrix(), b.calibration.T_body_camera.matrix());
   EXPECT_EQ(a.calibration.depth_unit_m, b.calibration.depth_unit_m);
   EXPECT_EQ(a.calibration.invalid_depth, b.calibration.invalid_depth);
   EXPECT_EQ(a.calibration.readout_s, b.calibration.readout_s);
@@ -269,7 +278,8 @@ inline void expect_equal(const MotionSample& a, const MotionSample& b) {
   EXPECT_EQ(a.sequence, b.sequence);
   EXPECT_EQ(a.timestamp_us, b.timestamp_us);
   EXPECT_EQ(a.kind, b.kind);
-  EXPECT_EQ(a.T_prior_camera.matrix(), b.T_prior_camera.matrix());
+  EXPECT_EQ(a.of, b.of);
+  EXPECT_EQ(a.T_prior.matrix(), b.T_prior.matrix());
   EXPECT_EQ(a.velocity, b.velocity);
   EXPECT_EQ(a.rotation_sigma, b.rotation_sigma);
   EXPECT_EQ(a.translation_sigma, b.translation_sigma);

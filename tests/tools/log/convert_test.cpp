@@ -93,7 +93,7 @@ TEST(Convert, LogOfRawFramesIsASourceItself) {
 MotionSample odometry_sample(int64_t timestamp_us) {
   MotionSample sample;
   sample.timestamp_us = timestamp_us;
-  sample.T_prior_camera = sample_pose(0.1);
+  sample.T_prior = sample_pose(0.1);
   sample.rotation_sigma = 0.03;
   sample.translation_sigma = 0.04;
   return sample;
