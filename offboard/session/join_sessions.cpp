@@ -110,6 +110,7 @@ void load_slices(std::span<const MissionLog> logs, const std::function<void(Clou
     reader.skip<LoopClosure>();
     reader.skip<CompressedFrame>();
     reader.skip<MotionSample>();
+    reader.skip<LoadReport>();
     while (std::optional<Message> message = reader.next()) {
       auto* slice = std::get_if<CloudSlice>(&*message);
       if (slice == nullptr) continue;

@@ -54,6 +54,7 @@ struct Gatherer {
   void operator()(MissionStatus&& status) { session.last_status = status; }
   void operator()(CompressedFrame&&) {}
   void operator()(MotionSample&&) {}
+  void operator()(LoadReport&&) {}
 };
 
 // What the gatherer has, once it has all.
@@ -76,6 +77,7 @@ Session load_session(const std::filesystem::path& path, const Progress& progress
   MessageReader reader(path);
   reader.skip<CompressedFrame>();
   reader.skip<MotionSample>();
+  reader.skip<LoadReport>();
   Gatherer gatherer{path};
   LogIndex found;
   while (std::optional<Message> message = reader.next()) {

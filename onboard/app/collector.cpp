@@ -38,6 +38,8 @@ FrameReport Collector::process(const RgbdFrame& frame) {
     publish_places(
         clock_.measure("places", [&] { return places_.next(maps, frame.colour, report.pose, motion); }));
     if (report.pose.status != TrackingStatus::kGood) return;  // doubtful frames are never fused
+    spared_last_ = is_spared(report.pose);
+    if (spared_last_) return clock_.measure("remember", [&] { odometry_.remember(maps, nullptr); });
 
     if (report.pose.segment != segment_) enter_segment(report.pose);
     const Pose& T_odom_camera = report.pose.T_odom_camera;
@@ -49,10 +51,20 @@ FrameReport Collector::process(const RgbdFrame& frame) {
     clock_.measure("integrate", [&] { volume_.integrate(maps, T_odom_camera, frame.sequence, motion); });
     T_odom_fused_ = T_odom_camera;
     model_ = clock_.measure("raycast", [&] { return &volume_.raycast(T_odom_camera); });
-    clock_.measure("remember", [&] { odometry_.remember(maps, *model_); });
+    clock_.measure("remember", [&] { odometry_.remember(maps, model_); });
   });
   if (odometry_.tried_fallbacks()) clock_.add("frame_fallback", clock_.last_ms());
   return report;
+}
+
+void Collector::set_effort(Effort effort) {
+  effort_ = effort;
+  odometry_.set_coarse(effort >= Effort::kCoarseTracking);
+}
+
+// Every second frame that the model placed; what begins a segment or was found by other means is news to it.
+bool Collector::is_spared(const StampedPose& pose) const {
+  return effort_ >= Effort::kSparseFusion && !spared_last_ && pose.source == PoseSource::kModel;
 }
 
 // What the volume holds stands in another odom frame.

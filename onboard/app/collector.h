@@ -8,6 +8,7 @@
 #include "onboard/app/stage_clock.h"
 #include "onboard/publish/message_sink.h"
 #include "onboard/tracking/odometry.h"
+#include "shared/types/effort.h"
 #include "shared/types/session.h"
 
 namespace kt {
@@ -39,16 +40,21 @@ class Collector {
   /// Publishes what is left in the volume and the last status. Call once, after the last frame.
   void finish();
 
-  /// Counts a frame that the source could not deliver.
-  void count_skipped_frame() { ++status_.frames_skipped; }
+  /// Counts frames that did not come to be processed.
+  void count_skipped_frames(int64_t count = 1) { status_.frames_skipped += count; }
+
+  /// How much work the frames from here on get.
+  void set_effort(Effort effort);
+  Effort effort() const { return effort_; }
 
   const MissionStatus& status() const { return status_; }
   /// Of every stage, of the whole frame as "frame", and again as "frame_fallback" of those frames that the
   /// model and the predicted motion alone did not place.
-  const StageClock& clock() const { return clock_; }
+  StageClock& clock() { return clock_; }
   void reset_clock() { clock_ = {}; }
 
  private:
+  bool is_spared(const StampedPose& pose) const;
   void enter_segment(const StampedPose& pose);
   CloudSlice flush_volume();
   void publish_pose(const StampedPose& pose);
@@ -64,6 +70,8 @@ class Collector {
   const ModelView* model_ = nullptr;      // null before the first fused frame of a segment
   int segment_ = 0;                       // of what the volume holds
   Pose T_odom_fused_ = Pose::Identity();  // of the last fused frame
+  Effort effort_ = Effort::kFull;
+  bool spared_last_ = false;  // the last good frame was not fused
   MissionStatus status_;
   StageClock clock_;
 };

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -14,14 +15,24 @@
 
 namespace kt {
 
-/// Reads a source ahead on its own thread, at most `capacity` frames and skipped ones, with the motion
-/// samples among them; order and content are the source's, but that kNothingYet is passed on only while
-/// nothing else waits. That thread gives way to those that process: on a busy machine images are decoded
-/// while the tracker waits, not in its stead.
+/// Reads a source ahead on its own thread, with the motion samples among the frames; order and content are
+/// the source's, but that kNothingYet is passed on only while nothing else waits, and that frames are
+/// numbered from 0 as they are handed out.
+///
+/// What becomes of frames when the mission is late is decided here and nowhere else:
+/// - Of a recorded source at most `capacity` frames and skipped ones are read ahead; then reading waits, and
+///   nothing is ever lost. The thread gives way to those that process: on a busy machine images are decoded
+///   while the tracker waits, not in its stead.
+/// - Of a live source everything is taken at once; where more than `capacity` frames wait, the oldest of them
+///   is dropped, and counted.
 class FrameQueue {
  public:
-  explicit FrameQueue(FrameSource& source, size_t capacity = 4)
-      : source_(source), capacity_(capacity), thread_([this] { read(); }) {}
+  static constexpr size_t kReadAhead = 4, kMostLiveFrames = 30;  // a second of frames
+
+  explicit FrameQueue(FrameSource& source)
+      : FrameQueue(source, source.is_live() ? kMostLiveFrames : kReadAhead) {}
+  FrameQueue(FrameSource& source, size_t capacity)
+      : source_(source), is_live_(source.is_live()), capacity_(capacity), thread_([this] { read(); }) {}
   ~FrameQueue() {
     {
       const std::lock_guard lock(mutex_);
@@ -40,34 +51,55 @@ class FrameQueue {
       return items_.front();  // stays: the end has nothing behind it
     SourceItem item = std::move(items_.front());
     items_.pop_front();
-    large_items_ -= is_large(item);
+    waiting_ -= is_counted(item);
+    if (item.kind == SourceItem::Kind::kFrame) item.frame.sequence = delivered_++;
     changed_.notify_all();
     return item;
+  }
+
+  /// Frames dropped so far; 0 where the source is not live.
+  int64_t dropped() const {
+    const std::lock_guard lock(mutex_);
+    return dropped_;
+  }
+  /// Frames of a live source that wait.
+  int waiting() const {
+    const std::lock_guard lock(mutex_);
+    return is_live_ ? static_cast<int>(waiting_) : 0;
   }
 
  private:
   static constexpr size_t kMostItems = 1024;  // seconds of motion samples while no frame comes
 
   // Motion samples are small and many: they must not take the frames' places.
-  static bool is_large(const SourceItem& item) {
-    return item.kind == SourceItem::Kind::kFrame || item.kind == SourceItem::Kind::kSkipped;
+  bool is_counted(const SourceItem& item) const {
+    return item.kind == SourceItem::Kind::kFrame || (item.kind == SourceItem::Kind::kSkipped && !is_live_);
   }
-  bool is_full() const { return large_items_ >= capacity_ || items_.size() >= kMostItems; }
+  bool is_full() const { return items_.size() >= kMostItems || (!is_live_ && waiting_ >= capacity_); }
+
+  void drop_oldest_frame() {
+    const auto is_frame = [](const SourceItem& item) { return item.kind == SourceItem::Kind::kFrame; };
+    items_.erase(std::find_if(items_.begin(), items_.end(), is_frame));
+    --waiting_;
+    ++dropped_;
+  }
 
   void read() {
     constexpr int kLeastUrgent = 19;  // niceness
-    setpriority(PRIO_PROCESS, 0,
-                kLeastUrgent);  // of this thread alone, as Linux has it; may fail, may not hurt
+    // Of this thread alone, as Linux has it; may fail, may not hurt.
+    if (!is_live_) setpriority(PRIO_PROCESS, 0, kLeastUrgent);
     try {
       for (bool more = true; more;) {
         SourceItem item = source_.next();
+        item.arrived = std::chrono::steady_clock::now();
         more = item.kind != SourceItem::Kind::kEnd;
         std::unique_lock lock(mutex_);
         if (item.kind == SourceItem::Kind::kNothingYet && !items_.empty() && !stopping_) continue;
         changed_.wait(lock, [this] { return !is_full() || stopping_; });
         if (stopping_) return;
-        large_items_ += is_large(item);
+        waiting_ += is_counted(item);
         items_.push_back(std::move(item));
+        if (is_live_ && waiting_ > capacity_) drop_oldest_frame();
         changed_.notify_all();
       }
     } catch (...) {
@@ -78,11 +110,13 @@ class FrameQueue {
   }
 
   FrameSource& source_;
+  const bool is_live_;
   const size_t capacity_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<SourceItem> items_;
-  size_t large_items_ = 0;  // of items_
+  size_t waiting_ = 0;  // items that are counted, of items_
+  int64_t delivered_ = 0, dropped_ = 0;
   bool stopping_ = false;
   std::exception_ptr failure_;
   std::thread thread_;  // last: it uses all of the above

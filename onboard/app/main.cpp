@@ -10,12 +10,14 @@
 #include <sstream>
 
 #include "onboard/app/config_fields.h"
+#include "onboard/app/memory_lock.h"
 #include "onboard/app/mission.h"
 #include "onboard/app/mission_report.h"
 #include "onboard/publish/lcm_sink.h"
 #include "onboard/publish/log_sink.h"
 #include "onboard/publish/tee_sink.h"
 #include "onboard/source/cameras.h"
+#include "onboard/source/paced_source.h"
 #include "shared/cli/program.h"
 #include "shared/cli/progress_line.h"
 #include "shared/core/version.h"
@@ -34,6 +36,8 @@ struct Options {
   std::string raw_colour = "jpeg";
   std::optional<std::string> publish;  // empty: LCM's default URL
   double publish_rate_mb_s = 4, idle_timeout_s = 0;
+  std::string when_late = "degrade";
+  bool real_time = false, lock_memory = false;
   bool record_raw = false, overwrite = false, quiet = false, print_config = false, list_cameras = false;
 };
 
@@ -94,12 +98,15 @@ void run(const Options& options) {
     throw kt::Error("--input and --log are needed; see --help");
   std::optional<kt::Calibration> calibration;
   if (!options.calibration.empty()) calibration = kt::find_calibration(options.calibration);
-  const auto source = kt::open_source(options.input, calibration);
+  if (options.lock_memory) kt::lock_memory();
+  std::unique_ptr<kt::FrameSource> source = kt::open_source(options.input, calibration);
+  if (options.real_time && !source->is_live()) source = std::make_unique<kt::PacedSource>(std::move(source));
 
   kt::MissionOptions mission;
   mission.config = config;
   mission.device = kt::exec::Device::from_name(options.device, options.threads);
   mission.record_raw = options.record_raw;
+  mission.degrade_when_late = options.when_late == "degrade";
   mission.stop = &stop_requested;
   mission.idle_timeout_s = options.idle_timeout_s;
   kt::LogSink sink(options.log, {.overwrite = options.overwrite,
@@ -155,6 +162,16 @@ int main(int argc, char** argv) {
                  "depend on it")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
+  app.add_flag("--real-time", options.real_time,
+               "take a recorded input at the pace of its stamps, as if it were live: what comes too fast is "
+               "degraded or dropped");
+  app.add_option("--when-late", options.when_late,
+                 "what a mission does whose live input comes too fast: degrade (less work per frame, see "
+                 "docs/realtime.md), or drop (full work, and the oldest of 30 waiting frames is dropped; the "
+                 "last resort of degrade, too)")
+      ->check(CLI::IsMember({"degrade", "drop"}))
+      ->capture_default_str();
+  app.add_flag("--lock-memory", options.lock_memory, "keep all memory from being paged out");
   app.add_flag("--record-raw", options.record_raw,
                "log the frames themselves too, for re-integration and replay");
   app.add_option("--raw-colour", options.raw_colour,

@@ -9,6 +9,7 @@
 
 #include "onboard/app/config_fields.h"
 #include "onboard/app/frame_queue.h"
+#include "onboard/app/load_watch.h"
 #include "shared/core/version.h"
 
 namespace kt {
@@ -33,6 +34,7 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   Collector collector(options.device, source.calibration(), options.config, sink);
   TrackingStretches stretches;
   FrameQueue frames(source);
+  LoadWatch load(collector, frames, sink, source.is_live(), options.degrade_when_late);
   std::vector<MotionSample> early_samples;  // wait for the session, the first event of a log
   const auto keep_reason = [](std::vector<std::string>& reasons, const std::string& reason) {
     if (reasons.size() < kReasonsKept) reasons.push_back(reason);
@@ -71,6 +73,7 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
     if (options.on_progress) options.on_progress(collector.status(), source.frame_count());
   };
   for (SourceItem item = next(); item.kind != SourceItem::Kind::kEnd && !stopped(); item = next()) {
+    load.count_dropped();
     if (item.kind == SourceItem::Kind::kNothingYet) {
       const std::chrono::duration<double> idle = std::chrono::steady_clock::now() - last_frame;
       if (options.idle_timeout_s == 0 || idle.count() < options.idle_timeout_s) continue;
@@ -78,7 +81,7 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
       break;
     }
     if (item.kind == SourceItem::Kind::kSkipped) {
-      collector.count_skipped_frame();
+      collector.count_skipped_frames();
       keep_reason(summary.skip_reasons, item.reason);
       continue;
     }
@@ -103,10 +106,13 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
                        config_to_yaml(options.config), source.calibration()});
       for (const MotionSample& sample : std::exchange(early_samples, {})) sink.on_motion_sample(sample);
     }
+    load.before(item.frame);
     stretches.add(collector.process(item.frame).pose);
+    load.after(item.arrived);
     if (options.record_raw) sink.on_raw_frame(std::move(item.frame));
     if (options.on_progress) options.on_progress(collector.status(), source.frame_count());
   }
+  load.count_dropped();
   summary.interrupted = stopped();
   if (collector.status().frames == 0 && !summary.interrupted) {
     if (failure) std::rethrow_exception(failure);
@@ -119,6 +125,8 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   sink.close();
   if (failure) std::rethrow_exception(failure);
   summary.status = collector.status();
+  summary.frames_dropped = load.dropped();
+  summary.frames_by_effort = load.frames_by_effort();
   stretches.finish();
   summary.stretches = stretches.worst();
   summary.stretch_count = stretches.count();

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <functional>
 #include <map>
@@ -32,7 +33,9 @@ struct MissionSummary {
   std::map<std::string, StageTimes> stage_times;
   std::string device = "cpu";  ///< that ran the kernels: "cpu" or "cuda"
   int threads = 1;             ///< of the cpu
-  double seconds = 0;          ///< wall time
+  int64_t frames_dropped = 0;  ///< of a live source: too many waited; counted as skipped, too
+  std::array<int64_t, kEfforts> frames_by_effort{};  ///< processed, by Effort
+  double seconds = 0;                                ///< wall time
   double peak_memory_mib = 0;
   bool interrupted = false;                   ///< `stop` ended it
   bool timed_out = false;                     ///< no frame came any more
@@ -43,6 +46,7 @@ struct MissionOptions {
   CollectorConfig config;
   exec::Device device;
   bool record_raw = false;                  ///< frames, and motion samples in their place among them
+  bool degrade_when_late = true;            ///< less work per frame of a live source that comes too fast
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: finish what is there and end
   /// A live source that has brought no frame for so long by the wall clock has ended; 0 = never.
   double idle_timeout_s = 0;
@@ -50,7 +54,8 @@ struct MissionOptions {
       on_progress;  ///< after every frame; count -1 = unknown
 };
 
-/// The source is read on a thread of its own, some frames ahead; no frame is dropped. Where its camera is
+/// The source is read on a thread of its own, some frames ahead; FrameQueue says when frames are dropped,
+/// LoadWatch how much work they get. Where its camera is
 /// gone the mission waits, with a status whenever the source says so, and goes on in a new segment. `sink` is
 /// closed on return. Throws kt::Error where the source ends before its first frame, and as source, collector
 /// and sink do; what was published before stays in the log. Where the source throws after its first frame,

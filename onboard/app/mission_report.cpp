@@ -76,6 +76,21 @@ std::string publishing_text(const LcmSink::Counts& counts) {
                 static_cast<long long>(counts.dropped), static_cast<long long>(counts.refused));
 }
 
+// Of a mission that was late; else empty.
+std::string effort_text(const MissionSummary& summary) {
+  std::string text;
+  if (summary.frames_dropped > 0)
+    text += format("late      %lld frames dropped, of those skipped\n",
+                   static_cast<long long>(summary.frames_dropped));
+  for (int i = 1; i < kEfforts; ++i) {
+    const int64_t frames = summary.frames_by_effort[static_cast<size_t>(i)];
+    if (frames == 0) continue;
+    text += format("late      %lld frames with less work: %s\n", static_cast<long long>(frames),
+                   to_string(static_cast<Effort>(i)));
+  }
+  return text;
+}
+
 nlohmann::ordered_json to_json(const LcmSink::Counts& counts) {
   return {{"messages", counts.messages},
           {"bytes", counts.bytes},
@@ -111,6 +126,7 @@ std::string mission_report_text(const MissionSummary& summary) {
       "frames    %lld processed, %.1f %% tracked (%lld uncertain, %lld lost), %lld skipped\n",
       static_cast<long long>(s.frames), 100 * tracked_share(s), static_cast<long long>(s.frames_uncertain),
       static_cast<long long>(s.frames_lost), static_cast<long long>(s.frames_skipped));
+  text += effort_text(summary);
   for (const std::string& reason : summary.skip_reasons) text += "  skipped: " + reason + "\n";
   if (summary.camera_losses > 0)
     text += format("camera    gone %lld times for a while\n", static_cast<long long>(summary.camera_losses));
@@ -154,6 +170,9 @@ void write_mission_report(const MissionSummary& summary, const std::filesystem::
     const auto found = summary.stage_times.find(stage);
     return to_json(found == summary.stage_times.end() ? StageTimes{} : found->second);
   };
+  nlohmann::ordered_json frames_by_effort;
+  for (int i = 0; i < kEfforts; ++i)
+    frames_by_effort[to_string(static_cast<Effort>(i))] = summary.frames_by_effort[static_cast<size_t>(i)];
   nlohmann::ordered_json poses_by_source, stretches = nlohmann::ordered_json::array();
   for (size_t i = 0; i < s.frames_by_source.size(); ++i)
     poses_by_source[to_string(static_cast<PoseSource>(i))] = s.frames_by_source[i];
@@ -168,6 +187,8 @@ void write_mission_report(const MissionSummary& summary, const std::filesystem::
       {"frames_lost", s.frames_lost},
       {"frames_skipped", s.frames_skipped},
       {"skip_reasons", summary.skip_reasons},
+      {"frames_dropped", summary.frames_dropped},
+      {"frames_by_effort", frames_by_effort},
       {"poses_by_source", poses_by_source},
       {"segments", s.segments},
       {"segment", s.segment},

@@ -31,6 +31,23 @@ void StageClock::add(const std::string& stage, double milliseconds) {
   ++histogram.bins[std::min(kBins - 1, static_cast<size_t>(std::lround(bin)))];
   histogram.max_ms = std::max(histogram.max_ms, milliseconds);
   ++histogram.count;
+  histogram.recent_ms[histogram.recent_count++ % kRecent] = milliseconds;
+}
+
+StageTimes StageClock::recent(const std::string& stage) const {
+  const auto found = stages_.find(stage);
+  if (found == stages_.end() || found->second.recent_count == 0) return {};
+  std::array<double, kRecent> sorted = found->second.recent_ms;
+  const size_t count = std::min(found->second.recent_count, kRecent);
+  std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
+  const auto at = [&](double share) {
+    return sorted[static_cast<size_t>(std::ceil(share * static_cast<double>(count))) - 1];
+  };
+  return {at(0.5), at(0.95), sorted[count - 1], static_cast<int64_t>(count)};
+}
+
+void StageClock::forget_recent() {
+  for (auto& [stage, histogram] : stages_) histogram.recent_count = 0;
 }
 
 std::map<std::string, StageTimes> StageClock::times() const {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <map>
 #include <string>
@@ -43,11 +44,18 @@ class StageClock {
   /// Percentiles to 1 % of their value; in the order of the stages' names.
   std::map<std::string, StageTimes> times() const;
 
+  /// Of the kRecent durations of one stage that were booked last, at most, since forget_recent(); exact.
+  StageTimes recent(const std::string& stage) const;
+  void forget_recent();
+
  private:
+  static constexpr size_t kRecent = 64;
   struct Histogram {
     std::vector<int64_t> bins;
     double max_ms = 0;
     int64_t count = 0;
+    std::array<double, kRecent> recent_ms{};  // a ring
+    size_t recent_count = 0;                  // with those that were overwritten
   };
   std::map<std::string, Histogram> stages_;
   double last_ms_ = 0;

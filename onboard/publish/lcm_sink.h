@@ -18,11 +18,11 @@
 
 namespace kt {
 
-/// Who listens gets what the network carries; the log is what counts. Poses, status, closures and the session
-/// go out at once. Slices and keyframes wait in a queue and go out at a steady rate, a slice in parts of one
-/// datagram each, because receivers with default buffers lose the rest of a burst (docs/lcm.md). Where the
-/// queue is full its oldest message is dropped; its number stays free on the channel, so that receivers see
-/// the gap.
+/// Who listens gets what the network carries; the log is what counts. Poses, status, load, closures and the
+/// session go out at once. Slices and keyframes wait in a queue and go out at a steady rate, a slice in parts
+/// of one datagram each, because receivers with default buffers lose the rest of a burst (docs/lcm.md). Where
+/// the queue is full its oldest message is dropped; its number stays free on the channel, so that receivers
+/// see the gap.
 class LcmSink final : public MessageSink {
  public:
   struct Options {
@@ -49,6 +49,7 @@ class LcmSink final : public MessageSink {
   void on_keyframe(Keyframe keyframe) override { put_large(std::move(keyframe)); }
   void on_loop_closure(LoopClosure loop) override { put_small(std::move(loop)); }
   void on_status(MissionStatus status) override { put_small(std::move(status)); }
+  void on_load(LoadReport load) override { put_small(load); }
   /// The mission's input is not published: it would come back as input where that is the same network.
   void on_raw_frame(RgbdFrame) override {}
   void on_motion_sample(MotionSample) override {}
@@ -59,7 +60,7 @@ class LcmSink final : public MessageSink {
   Counts counts() const;
 
  private:
-  using Small = std::variant<SessionHeader, StampedPose, LoopClosure, MissionStatus>;
+  using Small = std::variant<SessionHeader, StampedPose, LoopClosure, MissionStatus, LoadReport>;
   using Large = std::variant<CloudSlice, Keyframe>;
   using Clock = std::chrono::steady_clock;
 

@@ -45,11 +45,12 @@ class LogSink final : public MessageSink {
   void on_status(MissionStatus status) override { put(std::move(status)); }
   void on_raw_frame(RgbdFrame frame) override { put(std::move(frame)); }
   void on_motion_sample(MotionSample sample) override { put(std::move(sample)); }
+  void on_load(LoadReport load) override { put(load); }
   void close() override;
 
  private:
   using Item = std::variant<SessionHeader, StampedPose, CloudSlice, Keyframe, LoopClosure, MissionStatus,
-                            RgbdFrame, MotionSample>;
+                            RgbdFrame, MotionSample, LoadReport>;
 
   void put(Item item);
   void run();

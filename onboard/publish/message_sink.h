@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "shared/types/load_report.h"
 #include "shared/types/motion_sample.h"
 #include "shared/types/rgbd_frame.h"
 #include "shared/types/session.h"
@@ -21,6 +22,7 @@ class MessageSink {
   virtual void on_status(MissionStatus status) = 0;
   virtual void on_raw_frame(RgbdFrame frame) = 0;
   virtual void on_motion_sample(MotionSample sample) = 0;
+  virtual void on_load(LoadReport load) = 0;
   /// Returns once all that was handed over is stored; throws the error that prevented it.
   virtual void close() = 0;
 };

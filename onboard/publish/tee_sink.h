@@ -40,6 +40,10 @@ class TeeSink final : public MessageSink {
   }
   void on_raw_frame(RgbdFrame frame) override { log_.on_raw_frame(std::move(frame)); }
   void on_motion_sample(MotionSample sample) override { log_.on_motion_sample(std::move(sample)); }
+  void on_load(LoadReport load) override {
+    log_.on_load(load);
+    live_.on_load(load);
+  }
   /// The log first: it must be whole even where `live` takes its time.
   void close() override {
     log_.close();

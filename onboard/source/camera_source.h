@@ -29,6 +29,7 @@ class CameraSource final : public FrameSource {
   explicit CameraSource(CameraOpener open, CameraClock clock = CameraClock::of_system());
 
   SourceItem next() override;
+  bool is_live() const override { return !info_.is_recording; }
   int64_t frame_count() const override { return info_.frame_count; }
   /// Throws kt::Error where the device does not tell its lenses.
   const Calibration& calibration() const override;

@@ -36,6 +36,7 @@ class CheckedSource final : public FrameSource {
                          const std::optional<Calibration>& calibration = std::nullopt);
 
   SourceItem next() override;
+  bool is_live() const override { return source_->is_live(); }
   int64_t frame_count() const override { return source_->frame_count(); }
   const Calibration& calibration() const override { return calibration_; }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -21,9 +22,10 @@ namespace kt {
 struct SourceItem {
   enum class Kind { kFrame, kSkipped, kMotion, kSkippedMotion, kNothingYet, kInterrupted, kEnd };
   Kind kind = Kind::kEnd;
-  RgbdFrame frame{};      ///< of kFrame
-  std::string reason{};   ///< of kSkipped, kSkippedMotion and kInterrupted
-  MotionSample motion{};  ///< of kMotion
+  RgbdFrame frame{};                                ///< of kFrame
+  std::string reason{};                             ///< of kSkipped, kSkippedMotion and kInterrupted
+  MotionSample motion{};                            ///< of kMotion
+  std::chrono::steady_clock::time_point arrived{};  ///< of kFrame: when the FrameQueue had it
 };
 
 class FrameSource {
@@ -35,6 +37,10 @@ class FrameSource {
   /// source that open_source returned never throws for a bad frame: it says kSkipped. The bare sources behind
   /// it throw kt::Error and go on with the next call.
   virtual SourceItem next() = 0;
+
+  /// Whether frames come at their own pace and are lost where they are not taken: from a camera, a network.
+  /// Else the source waits, however long, and loses none.
+  virtual bool is_live() const { return false; }
 
   /// Frames and skipped frames in all, without motion samples; -1 where nobody knows beforehand.
   virtual int64_t frame_count() const = 0;

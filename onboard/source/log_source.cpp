@@ -44,7 +44,9 @@ class LogSource final : public FrameSource {
     }
     if (!frame_) return {};
     const CompressedFrame frame = *std::exchange(frame_, std::nullopt);
-    return {SourceItem::Kind::kFrame, decompress(frame), {}};
+    SourceItem item{SourceItem::Kind::kFrame, decompress(frame), {}};
+    item.frame.effort = effort_;
+    return item;
   }
   int64_t frame_count() const override { return -1; }
   const Calibration& calibration() const override {
@@ -86,6 +88,8 @@ class LogSource final : public FrameSource {
         // The camera was gone then: the mission that is played again must know it.
         if (status->cause == TrackingCause::kNoFrames)
           before_.push_back({.kind = SourceItem::Kind::kInterrupted, .reason = name_ + ": no frames"});
+      } else if (const auto* load = std::get_if<LoadReport>(&*message)) {
+        effort_ = load->effort;
       } else if (const auto* frame = std::get_if<CompressedFrame>(&*message)) {
         frame_ = *frame;
         // The gap in the sequence numbers holds the damaged ones too.
@@ -109,6 +113,7 @@ class LogSource final : public FrameSource {
   int64_t missing_motion_ = 0;            ///< as the reader counts them, so far
   int64_t lost_ = 0;                      ///< frames before it, or before the end, still to be reported
   std::string reason_;                    ///< of those
+  Effort effort_ = Effort::kFull;         ///< of the frames from here on
   bool at_end_ = false;
   std::optional<Calibration> calibration_;
 };

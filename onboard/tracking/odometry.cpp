@@ -73,15 +73,16 @@ Odometry::Odometry(const exec::Device& device, const Calibration& calibration, c
   last_good_.T_odom_camera = T_odom_start_;
 }
 
-void Odometry::remember(const FrameMaps& maps, const ModelView& model) {
+void Odometry::remember(const FrameMaps& maps, const ModelView* model) {
   rotation_aligner_.remember(maps);
   last_surface_ = last_surfaces_.keep(maps);
   keyframes_.remember(last_good_.sequence, last_good_.segment, last_good_.T_odom_camera);
-  const Pose T_reference_model = reference_.T_odom_reference().inverse() * model.T_odom_camera;
+  if (!model) return;  // the image reference needs surface seen from where the frame is
+  const Pose T_reference_model = reference_.T_odom_reference().inverse() * model->T_odom_camera;
   const bool is_near =
       is_within(T_reference_model, config_.reference_distance_m, config_.reference_angle_deg * kDegree);
   if (is_near && !reference_.is_empty()) return;
-  reference_.take(maps, model, FrameMotion(maps, steady_velocity_));
+  reference_.take(maps, *model, FrameMotion(maps, steady_velocity_));
   exposure_ = {};
 }
 

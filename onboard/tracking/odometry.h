@@ -35,9 +35,12 @@ class Odometry {
   StampedPose track(const FrameMaps& maps, const ModelView* model, const PredictSurface& predict,
                     const FindPlace& find_place, int64_t sequence);
 
-  /// Looks at a frame that was fused, and the model view predicted from its pose: later frames are compared
-  /// with them. Right after track() of that frame.
-  void remember(const FrameMaps& maps, const ModelView& model);
+  /// Looks at a good frame, and the model view predicted from its pose, null where it was not fused: later
+  /// frames are compared with them. Right after track() of that frame.
+  void remember(const FrameMaps& maps, const ModelView* model);
+
+  /// Aligns frames at the coarsest resolution alone from now on, or as configured.
+  void set_coarse(bool is_coarse) { tracker_.set_finest_level(is_coarse ? kPyramidLevels - 1 : 0); }
 
   /// Takes a sample of another sensor, before the first frame whose stamp is not before its own. False where
   /// it is refused, as MotionPrior::add does.

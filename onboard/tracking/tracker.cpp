@@ -160,7 +160,7 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
   JointEquations joint;
   Matrix6d held = Matrix6d::Identity();
   double sigma = kFirstSigma;
-  for (int level = kPyramidLevels - 1; level >= 0; --level) {
+  for (int level = kPyramidLevels - 1; level >= finest_level_; --level) {
     motion = FrameMotion(maps, guess.approach.velocity_at(model.T_odom_camera * T_model_current));
     for (int iteration = 0; iteration < config_.iterations[static_cast<size_t>(level)]; ++iteration) {
       const PointToPlane point_to_plane = cost(config_, maps, motion, model, level, T_model_current);

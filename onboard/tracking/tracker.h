@@ -82,6 +82,9 @@ class Tracker {
   TrackResult track(const FrameMaps& maps, const ModelView& model, const PhotometricReference* reference,
                     const TrackGuess& guess);
 
+  /// Pyramid levels finer than this one are left out from now on.
+  void set_finest_level(int level) { finest_level_ = level; }
+
   /// Share of the pixels at which the frame measured a surface, farther away than `beyond_m`.
   static double measured_share(const FrameMaps& maps, double beyond_m = 0);
 
@@ -91,6 +94,7 @@ class Tracker {
 
   exec::Device device_;
   TrackingConfig config_;
+  int finest_level_ = 0;
   exec::ReductionWorkspace geometric_workspace_, photometric_workspace_;
 };
 

@@ -16,7 +16,8 @@ struct MissionStatus {
   int64_t timestamp_us = 0;  ///< of the last frame
   int64_t frames = 0;        ///< processed
   int64_t frames_good = 0, frames_uncertain = 0, frames_lost = 0;
-  int64_t frames_skipped = 0;  ///< unreadable, lost, out of order, of the wrong size or without valid depth
+  int64_t frames_skipped = 0;  ///< unreadable, lost, out of order, of the wrong size, without valid depth, or
+                               ///< dropped: too many waited
   std::array<int64_t, kPoseSources> frames_by_source{};  ///< processed, by PoseSource
   int64_t slices = 0, slice_vertices = 0, slice_triangles = 0;
   Vec3i volume_origin_voxel;  ///< lowest voxel of the volume in the odom grid

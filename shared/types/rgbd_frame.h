@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "shared/core/image.h"
+#include "shared/types/effort.h"
 
 namespace kt {
 
@@ -14,6 +15,7 @@ struct RgbdFrame {
   int64_t colour_timestamp_us = 0;  ///< sensor clock of the colour image
   Image<uint16_t> depth;            ///< depth camera; units of Calibration::depth_unit_m; 0 = no measurement
   Image<Rgb8> colour;               ///< colour camera; empty where the source has none
+  Effort effort = Effort::kFull;    ///< of the mission that recorded it, which its replay repeats
 };
 
 }  // namespace kt

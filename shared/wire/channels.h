@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "shared/types/load_report.h"
 #include "shared/types/session.h"
 #include "shared/wire/compressed_frame.h"
 
@@ -15,11 +16,11 @@ namespace kt {
 
 /// Every message that travels, in the order of kChannels.
 using Message = std::variant<SessionHeader, StampedPose, CloudSlice, Keyframe, LoopClosure, MissionStatus,
-                             CompressedFrame, MotionSample>;
+                             CompressedFrame, MotionSample, LoadReport>;
 
 inline constexpr std::array<std::string_view, std::variant_size_v<Message>> kChannels = {
-    "KINTSUGI_SESSION", "KINTSUGI_POSE",   "KINTSUGI_SLICE", "KINTSUGI_KEYFRAME",
-    "KINTSUGI_LOOP",    "KINTSUGI_STATUS", "KINTSUGI_RGBD",  "KINTSUGI_MOTION"};
+    "KINTSUGI_SESSION", "KINTSUGI_POSE", "KINTSUGI_SLICE",  "KINTSUGI_KEYFRAME", "KINTSUGI_LOOP",
+    "KINTSUGI_STATUS",  "KINTSUGI_RGBD", "KINTSUGI_MOTION", "KINTSUGI_LOAD"};
 
 /// Where T stands in Message and kChannels.
 template <typename T, size_t I = 0>

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kintsugi/cloud_slice_t.hpp"
+#include "kintsugi/load_t.hpp"
 #include "kintsugi/motion_t.hpp"
 #include "kintsugi/pose_t.hpp"
 #include "kintsugi/rgbd_frame_t.hpp"
@@ -25,6 +26,7 @@ const MessageLayout kSliceLayout{.fixed_bytes = 153, .arrays = {{145, 43}, {149,
 const MessageLayout kStatusLayout{.fixed_bytes = 187};
 const MessageLayout kFrameLayout{.fixed_bytes = 52, .arrays = {{44, 1}, {48, 1}}};
 const MessageLayout kMotionLayout{.fixed_bytes = 198};
+const MessageLayout kLoadLayout{.fixed_bytes = 165};
 
 }  // namespace
 
@@ -294,6 +296,38 @@ DecodeStatus decode(std::span<const uint8_t> bytes, MotionSample& sample) {
                    static_cast<MotionSample::Of>(message.of), unpack_pose(message.T_prior),
                    Vector6d(message.velocity), message.rotation_sigma, message.translation_sigma},
       sample);
+}
+
+std::vector<uint8_t> encode(const LoadReport& load, int64_t message_sequence) {
+  check_valid(load, message_sequence);
+  kintsugi::load_t message{};
+  message.load = load.sequence;
+  message.frames = load.frames;
+  message.frames_dropped = load.frames_dropped;
+  message.frames_waiting = load.frames_waiting;
+  for (size_t i = 0; i < load.stages.size(); ++i) {
+    message.median_ms[i] = load.stages[i].median_ms;
+    message.p95_ms[i] = load.stages[i].p95_ms;
+    message.max_ms[i] = load.stages[i].max_ms;
+  }
+  message.effort = static_cast<int8_t>(load.effort);
+  return seal(message, kLoadLayout, message_sequence, load.timestamp_us);
+}
+
+DecodeStatus decode(std::span<const uint8_t> bytes, LoadReport& load) {
+  kintsugi::load_t message{};
+  if (const DecodeStatus status = open(bytes, kLoadLayout, message); status != DecodeStatus::kOk)
+    return status;
+  LoadReport value;
+  value.sequence = message.load;
+  value.timestamp_us = message.header.timestamp_us;
+  value.frames = message.frames;
+  value.frames_dropped = message.frames_dropped;
+  value.frames_waiting = message.frames_waiting;
+  for (size_t i = 0; i < value.stages.size(); ++i)
+    value.stages[i] = {message.median_ms[i], message.p95_ms[i], message.max_ms[i]};
+  value.effort = static_cast<Effort>(message.effort);
+  return accept(std::move(value), load);
 }
 
 }  // namespace kt

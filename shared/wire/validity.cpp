@@ -170,4 +170,17 @@ DecodeStatus validity(const MotionSample& sample) {
   return sane ? first_of({check_velocity(sample.velocity), check_pose(sample.T_prior)}) : kOutOfRange;
 }
 
+DecodeStatus validity(const LoadReport& load) {
+  const auto all_times = [&load](const auto& holds) {
+    return std::all_of(load.stages.begin(), load.stages.end(), [&](const StageLoad& stage) {
+      return holds(stage.median_ms) && holds(stage.p95_ms) && holds(stage.max_ms);
+    });
+  };
+  if (!all_times([](float ms) { return std::isfinite(ms); })) return kNotFinite;
+  const bool sane = is_count(load.sequence) && is_stamp(load.timestamp_us) && is_count(load.frames) &&
+                    is_count(load.frames_dropped) && load.frames_waiting >= 0 &&
+                    static_cast<int>(load.effort) < kEfforts && all_times([](float ms) { return ms >= 0; });
+  return sane ? kOk : kOutOfRange;
+}
+
 }  // namespace kt

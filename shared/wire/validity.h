@@ -18,5 +18,6 @@ DecodeStatus validity(const LoopClosure& loop);
 DecodeStatus validity(const MissionStatus& status);
 DecodeStatus validity(const CompressedFrame& frame);
 DecodeStatus validity(const MotionSample& sample);
+DecodeStatus validity(const LoadReport& load);
 
 }  // namespace kt

@@ -62,7 +62,7 @@ class LcmTest(ProgramTest):
     def start_collector(self, url, *more):
         """A collector on the bus that logs to live.lcm and ends when nothing comes any more."""
         return self.start(*command("collect", "--input", f"lcm:{url}", "--log", self.folder / "live.lcm", "--record-raw",
-                                   "--raw-colour", "png", "--idle-timeout", 5, "--report", self.folder / "live.json", *more))
+                                   "--raw-colour", "png", "--when-late", "drop", "--idle-timeout", 5, "--report", self.folder / "live.json", *more))
 
     def end(self, process):
         output, _ = process.communicate(timeout=300)

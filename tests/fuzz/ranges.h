@@ -103,4 +103,13 @@ inline bool hold(const MotionSample& sample) {
          sample.translation_sigma >= 0 && std::isfinite(sample.rotation_sigma + sample.translation_sigma);
 }
 
+inline bool hold(const LoadReport& load) {
+  return hold(load.sequence) && is_stamp(load.timestamp_us) && hold(load.frames) &&
+         hold(load.frames_dropped) && load.frames_waiting >= 0 && static_cast<int>(load.effort) <= 2 &&
+         std::all_of(load.stages.begin(), load.stages.end(), [](const StageLoad& stage) {
+           return stage.median_ms >= 0 && stage.p95_ms >= 0 && stage.max_ms >= 0 &&
+                  std::isfinite(stage.median_ms + stage.p95_ms + stage.max_ms);
+         });
+}
+
 }  // namespace kt::ranges

@@ -24,6 +24,7 @@ class NullSink final : public kt::MessageSink {
   void on_status(kt::MissionStatus) override {}
   void on_raw_frame(kt::RgbdFrame) override {}
   void on_motion_sample(kt::MotionSample) override {}
+  void on_load(kt::LoadReport) override {}
   void close() override {}
 };
 
@@ -31,7 +32,7 @@ struct Options {
   std::string input = "synthetic:room", calibration, device = "auto";
   std::vector<std::string> settings;
   int64_t frames = 120, warm_up = 10;
-  int threads = 0;
+  int threads = 0, effort = 0;
 };
 
 std::vector<kt::RgbdFrame> load_frames(kt::FrameSource& source, int64_t count) {
@@ -57,6 +58,7 @@ nlohmann::ordered_json run(const Options& options) {
 
   NullSink sink;
   kt::Collector collector(device, source->calibration(), config, sink);
+  collector.set_effort(static_cast<kt::Effort>(options.effort));
   int64_t processed = 0;
   for (const kt::RgbdFrame& frame : frames) {
     collector.process(frame);
@@ -72,6 +74,7 @@ nlohmann::ordered_json run(const Options& options) {
           {"camera", source->calibration().name},
           {"device", device.name()},
           {"threads", device.threads()},
+          {"effort", kt::to_string(collector.effort())},
           {"width", source->calibration().depth.width},
           {"height", source->calibration().depth.height},
           {"volume_resolution", config.volume.resolution},
@@ -100,6 +103,9 @@ int main(int argc, char** argv) {
                  "cpu, cuda, or auto: cuda where there is a usable GPU, else cpu")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
+  app.add_option("--effort", options.effort,
+                 "how much work a frame gets: 0 all, 1 sparse fusion, 2 coarse tracking as well")
+      ->check(CLI::Range(0, kt::kEfforts - 1));
   app.add_option("--set", options.settings, "one configuration field, as for kintsugi-collect");
   app.set_version_flag("--version", std::string("kintsugi-bench ") + kt::kProgramVersion);
   return kt::run_program(app, argc, argv, [&] { std::cout << run(options).dump(2) << '\n'; });

@@ -43,7 +43,7 @@ StageRun run_stages(const exec::Device& device, const RunSetup& setup) {
       if (i == last) traffic.start(volume);
       measure(StageRun::kIntegrate, [&] { volume.integrate(*maps, T_odom_camera, i); });
       measure(StageRun::kRaycast, [&] { model = &volume.raycast(T_odom_camera); });
-      odometry.remember(*maps, *model);
+      odometry.remember(*maps, model);
     });
     if (i == last) run.traffic = traffic.finish(volume, *maps, *model);
   }

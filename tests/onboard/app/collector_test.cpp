@@ -177,7 +177,7 @@ TEST(Collector, CountsWhatItSaw) {
   SmallMission mission;
   mission.feed_room(0, 6);
   mission.feed(foreign_frame(6));
-  mission.collector.count_skipped_frame();
+  mission.collector.count_skipped_frames();
   mission.collector.finish();
   const MissionStatus& status = mission.collector.status();
   EXPECT_EQ(status.frames, 7);

@@ -17,7 +17,7 @@ std::vector<SourceItem> numbered_items(int count) {
   std::vector<SourceItem> items;
   for (int i = 0; i < count; ++i) {
     RgbdFrame frame;
-    frame.sequence = i;
+    frame.timestamp_us = i;
     items.push_back(i % 5 == 3 ? skipped_item("frame " + std::to_string(i)) : frame_item(frame));
   }
   return items;
@@ -34,7 +34,7 @@ TEST(FrameQueue, KeepsOrderAndContent) {
         EXPECT_EQ(item.reason, "frame " + std::to_string(i));
       } else {
         ASSERT_EQ(item.kind, SourceItem::Kind::kFrame);
-        EXPECT_EQ(item.frame.sequence, i);
+        EXPECT_EQ(item.frame.timestamp_us, i);
       }
     }
     EXPECT_EQ(queue.next().kind, SourceItem::Kind::kEnd);
@@ -83,6 +83,41 @@ TEST(FrameQueue, TellsThatNothingCameOnlyWhileNothingElseWaits) {
   EXPECT_EQ(queue.next().kind, SourceItem::Kind::kNothingYet);
   EXPECT_EQ(queue.next().kind, SourceItem::Kind::kMotion);
   EXPECT_EQ(queue.next().kind, SourceItem::Kind::kEnd);
+}
+
+TEST(FrameQueue, OfALiveSourceTheOldestFramesAreDroppedAndTheRestNumbered) {
+  std::vector<SourceItem> items = numbered_items(50);  // 40 frames among 10 that were skipped
+  items.insert(items.begin() + 2, motion_item({}));
+  ListSource source(items);
+  source.make_live();
+  FrameQueue queue(source, 3);
+  for (int ms = 0; ms < 3000 && source.delivered() < 52; ++ms)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::vector<int64_t> stamps;
+  int64_t frames = 0, skipped = 0, samples = 0;
+  for (SourceItem item = queue.next(); item.kind != SourceItem::Kind::kEnd; item = queue.next()) {
+    if (frames == 0 && item.kind == SourceItem::Kind::kFrame) {
+      EXPECT_EQ(queue.waiting(), 2);
+      EXPECT_NE(item.arrived, std::chrono::steady_clock::time_point{});
+    }
+    skipped += item.kind == SourceItem::Kind::kSkipped;
+    samples += item.kind == SourceItem::Kind::kMotion;
+    if (item.kind != SourceItem::Kind::kFrame) continue;
+    EXPECT_EQ(item.frame.sequence, frames++);
+    stamps.push_back(item.frame.timestamp_us);
+  }
+  EXPECT_EQ(stamps, (std::vector<int64_t>{46, 47, 49})) << "the newest";
+  EXPECT_EQ(queue.dropped(), 37);
+  EXPECT_EQ(skipped, 10) << "what was skipped is told in any case";
+  EXPECT_EQ(samples, 1);
+}
+
+TEST(FrameQueue, OfARecordedSourceNothingIsDropped) {
+  ListSource source(numbered_items(50));
+  FrameQueue queue(source);
+  for (int i = 0; i < 50; ++i) queue.next();
+  EXPECT_EQ(queue.dropped(), 0);
+  EXPECT_EQ(queue.waiting(), 0);
 }
 
 TEST(FrameQueue, PassesAnExceptionOnAfterTheItemsBeforeIt) {

@@ -20,6 +20,7 @@ struct RecordingSink final : MessageSink {
   std::vector<MissionStatus> statuses;
   std::vector<RgbdFrame> raw_frames;
   std::vector<MotionSample> motion_samples;
+  std::vector<LoadReport> loads;
   bool is_closed = false;
 
   void on_session(SessionHeader session) override { record("session", sessions, std::move(session)); }
@@ -32,6 +33,7 @@ struct RecordingSink final : MessageSink {
   void on_motion_sample(MotionSample sample) override {
     record("motion_sample", motion_samples, std::move(sample));
   }
+  void on_load(LoadReport load) override { record("load", loads, load); }
   void close() override {
     calls.push_back("close");
     is_closed = true;
@@ -69,12 +71,16 @@ class ListSource final : public FrameSource {
   }
   int64_t frame_count() const override { return static_cast<int64_t>(items_.size()); }
   const Calibration& calibration() const override { return calibration_; }
+  bool is_live() const override { return is_live_; }
 
+  /// Before it is read.
+  void make_live() { is_live_ = true; }
   size_t delivered() const { return delivered_; }
 
  private:
   std::vector<SourceItem> items_;
   std::string failure_;
+  bool is_live_ = false;
   Calibration calibration_ = small_calibration();
   std::atomic<size_t> delivered_ = 0;
 };

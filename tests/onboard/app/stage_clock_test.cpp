@@ -49,6 +49,24 @@ TEST(StageClock, KeepsStagesApartAndSorted) {
   EXPECT_EQ(times.at("track").count, 2);
 }
 
+TEST(StageClock, RecentTimesAreExactAndForgotten) {
+  StageClock clock;
+  EXPECT_EQ(clock.recent("track").count, 0);
+  for (const double ms : {5.0, 1.0, 3.0, 2.0}) clock.add("track", ms);
+  EXPECT_EQ(clock.recent("track").p50_ms, 2);
+  EXPECT_EQ(clock.recent("track").p95_ms, 5);
+  EXPECT_EQ(clock.recent("track").max_ms, 5);
+  clock.forget_recent();
+  EXPECT_EQ(clock.recent("track").count, 0);
+  EXPECT_EQ(clock.recent("track").max_ms, 0);
+  clock.add("track", 7);
+  EXPECT_EQ(clock.recent("track").p50_ms, 7);
+  for (int i = 0; i < 1000; ++i) clock.add("track", i);
+  EXPECT_EQ(clock.recent("track").count, 64) << "the last ones";
+  EXPECT_EQ(clock.recent("track").max_ms, 999);
+  EXPECT_EQ(clock.times().at("track").count, 1005) << "all of the mission";
+}
+
 TEST(StageClock, SaysWhatItBookedLast) {
   StageClock clock;
   clock.add("track", 5);

@@ -187,11 +187,12 @@ TEST(TeeSink, TheLogGetsAllAndTheListenersTheResults) {
   tee.on_loop_closure(sample_loop());
   tee.on_slice(sample_slice());
   tee.on_status(sample_status());
+  tee.on_load(sample_load());
   tee.close();
   EXPECT_EQ(log.calls, (std::vector<std::string>{"session", "raw_frame", "motion_sample", "pose", "keyframe",
-                                                 "loop_closure", "slice", "status", "close"}));
+                                                 "loop_closure", "slice", "status", "load", "close"}));
   EXPECT_EQ(live.calls, (std::vector<std::string>{"session", "pose", "keyframe", "loop_closure", "slice",
-                                                  "status", "close"}));
+                                                  "status", "load", "close"}));
 }
 
 }  // namespace

@@ -39,6 +39,7 @@ void run_mission(MessageSink& sink) {
   sink.on_keyframe(sample_keyframe());
   sink.on_loop_closure(sample_loop());
   sink.on_motion_sample(sample_motion());
+  sink.on_load(sample_load());
 }
 
 TEST(LogSink, StoresEverythingInCallOrder) {
@@ -70,6 +71,7 @@ TEST(LogSink, StoresEverythingInCallOrder) {
   expect_next(sample_keyframe());
   expect_next(sample_loop());
   expect_next(sample_motion());
+  expect_next(sample_load());
   EXPECT_FALSE(reader.next());
   EXPECT_TRUE(reader.integrity().is_sound());
 }

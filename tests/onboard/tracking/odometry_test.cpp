@@ -49,7 +49,7 @@ TEST(Odometry, AVelocityWithoutRotationFollowsTheTurnOfTheCamera) {
       EXPECT_POSE_NEAR(T_last_current, exp_se3(kInterval_s * twist), 0.1, 4e-4);
     }
     T_odom_last = pose.T_odom_camera;
-    odometry.remember(maps, predict(pose.T_odom_camera));
+    odometry.remember(maps, &predict(pose.T_odom_camera));
   }
 }
 

@@ -51,7 +51,7 @@ double worst_error_m(const Vector6d& velocity, double readout_s) {
     const StampedPose pose = odometry.track(maps, i == 0 ? nullptr : &view, predict, {}, i);
     EXPECT_EQ(pose.status, TrackingStatus::kGood) << i;
     if (i >= 6) worst = std::max(worst, translation_error_m(pose.T_odom_camera, truth));
-    odometry.remember(maps, predict(pose.T_odom_camera));
+    odometry.remember(maps, &predict(pose.T_odom_camera));
   }
   return worst;
 }

@@ -146,6 +146,15 @@ inline MotionSample sample_motion() {
           0.02};
 }
 
+inline LoadReport sample_load() {
+  LoadReport load{5, 1305031103320000, 90, Effort::kCoarseTracking, 12, 3};
+  for (size_t i = 0; i < load.stages.size(); ++i) {
+    const auto ms = static_cast<float>(i);
+    load.stages[i] = {1 + ms, 2.5f + ms, 3.25f + ms};
+  }
+  return load;
+}
+
 /// One of each, in the order of kChannels.
 inline std::vector<Message> sample_messages() {
   return {sample_session(),
@@ -155,7 +164,8 @@ inline std::vector<Message> sample_messages() {
           sample_loop(LoopVerdict::kWeak),
           sample_status(),
           sample_frame(),
-          sample_motion()};
+          sample_motion(),
+          sample_load()};
 }
 
 inline void expect_equal(const Vec3f& a, const Vec3f& b) {
@@ -283,6 +293,19 @@ inline void expect_equal(const MotionSample& a, const MotionSample& b) {
   EXPECT_EQ(a.velocity, b.velocity);
   EXPECT_EQ(a.rotation_sigma, b.rotation_sigma);
   EXPECT_EQ(a.translation_sigma, b.translation_sigma);
+}
+inline void expect_equal(const LoadReport& a, const LoadReport& b) {
+  EXPECT_EQ(a.sequence, b.sequence);
+  EXPECT_EQ(a.timestamp_us, b.timestamp_us);
+  EXPECT_EQ(a.frames, b.frames);
+  EXPECT_EQ(a.effort, b.effort);
+  EXPECT_EQ(a.frames_dropped, b.frames_dropped);
+  EXPECT_EQ(a.frames_waiting, b.frames_waiting);
+  for (size_t i = 0; i < a.stages.size(); ++i) {
+    EXPECT_EQ(a.stages[i].median_ms, b.stages[i].median_ms) << i;
+    EXPECT_EQ(a.stages[i].p95_ms, b.stages[i].p95_ms) << i;
+    EXPECT_EQ(a.stages[i].max_ms, b.stages[i].max_ms) << i;
+  }
 }
 inline void expect_equal(const Message& a, const Message& b) {
   ASSERT_EQ(a.index(), b.index());
