@@ -63,7 +63,10 @@ void ServiceNotifier::send(const std::string& text) {
 }
 
 void ServiceNotifier::alive() {
-  if (!is_ready_) send("READY=1");
+  if (!is_ready_) {
+    send("READY=1");
+    next_status_ = {};  // what was said of the start is old now
+  }
   is_ready_ = true;
   if (watchdog_interval_ == Clock::duration::zero()) return;
   const Clock::time_point now = Clock::now();

@@ -27,10 +27,10 @@ double seconds(std::chrono::steady_clock::duration time) {
 
 void LiveState::Rate::add(int64_t count, Time now) {
   if (!samples_.empty() && count < samples_.back().count) samples_.clear();  // another mission
-  if (!samples_.empty() && now - samples_.back().time < std::chrono::milliseconds(100)) {
-    samples_.back().count = count;
-    return;
-  }
+  // Dense counts replace each other: ten a second are enough.
+  const size_t size = samples_.size();
+  if (size >= 2 && samples_[size - 1].time - samples_[size - 2].time < std::chrono::milliseconds(100))
+    samples_.pop_back();
   samples_.push_back({now, count});
   while (samples_.size() > 2 && now - samples_[1].time >= kRateWindow) samples_.pop_front();
 }

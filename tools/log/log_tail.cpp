@@ -69,7 +69,7 @@ void LogTail::read_new(const std::function<void(const Message&)>& take) {
   };
   if (is_new) take_next();  // the session
   const int64_t start = read_;
-  // Its end first; farther back only where that holds nothing but one large slice.
+  // Its end first; farther back only where that holds nothing but one large message.
   for (int64_t look = is_new ? kFirstLook : size; read_ == start; look *= kLongerLook) {
     reader.seek(std::max(start, size - look));
     while (take_next()) {

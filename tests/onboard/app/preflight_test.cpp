@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/app/preflight.h"
 
+#include <algorithm>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,8 +20,8 @@ using Verdict = Finding::Verdict;
 std::vector<SourceItem> room_items(int count) {
   std::vector<SourceItem> items;
   for (int i = 0; i < count; ++i)
-    items.push_back(frame_item(
-        render(furnished_room(), small_calibration(), pose_of({}, {0.01 * i, 0, 0}), {.sequence = i})));
+    items.push_back(frame_item(render(furnished_room(), small_calibration(),
+                                      pose_of({0, 0, 0}, {0.01 * i, 0, 0}), {.sequence = i})));
   return items;
 }
 

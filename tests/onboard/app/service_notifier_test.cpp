@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdlib>
 #include <future>
 #include <gmock/gmock.h>
@@ -23,7 +24,6 @@ namespace {
 
 using std::chrono::milliseconds;
 using testing::ElementsAre;
-using testing::IsEmpty;
 
 /// systemd's end of the socket.
 class Manager {
@@ -56,16 +56,24 @@ class Manager {
 TEST(ServiceNotifier, SaysReadyOnceAndFeedsTheWatchdog) {
   const ScratchDir folder;
   const Manager manager((folder / "notify").string());
-  ::setenv("WATCHDOG_USEC", "40000", 1);
+  ::setenv("WATCHDOG_USEC", "4000000000", 1);
   ServiceNotifier service;
   service.alive();
   service.alive();  // not yet due again
   EXPECT_THAT(manager.heard(), ElementsAre("READY=1", "WATCHDOG=1"));
-  std::this_thread::sleep_for(milliseconds(15));
-  service.alive();
-  EXPECT_THAT(manager.heard(), ElementsAre("WATCHDOG=1"));
   service.stopping();
   EXPECT_THAT(manager.heard(), ElementsAre("STOPPING=1"));
+}
+
+TEST(ServiceNotifier, FeedsTheWatchdogAgainWhenItIsDue) {
+  const ScratchDir folder;
+  const Manager manager((folder / "notify").string());
+  ::setenv("WATCHDOG_USEC", "4000", 1);
+  ServiceNotifier service;
+  service.alive();
+  std::this_thread::sleep_for(milliseconds(5));
+  service.alive();
+  EXPECT_THAT(manager.heard(), ElementsAre("READY=1", "WATCHDOG=1", "WATCHDOG=1"));
 }
 
 TEST(ServiceNotifier, TheWatchdogOfAnotherProcessIsNotFed) {
@@ -82,8 +90,10 @@ TEST(ServiceNotifier, StatusIsOneLineAndNotAFlood) {
   const Manager manager((folder / "notify").string());
   ServiceNotifier service;
   service.status("frame 1\nREADY=1");
-  for (int i = 0; i < 100; ++i) service.status("frame " + std::to_string(i));
-  EXPECT_THAT(manager.heard(), ElementsAre("STATUS=frame 1 READY=1"));
+  for (int i = 0; i < 1000; ++i) service.status("frame " + std::to_string(i));
+  const std::vector<std::string> heard = manager.heard();
+  EXPECT_EQ(heard.front(), "STATUS=frame 1 READY=1");
+  EXPECT_LT(heard.size(), 10u);
 }
 
 TEST(ServiceNotifier, WithoutAManagerItIsSilent) {
@@ -101,7 +111,7 @@ TEST(ServiceNotifier, WithoutAManagerItIsSilent) {
 }
 
 RgbdFrame room_frame(int i) {
-  return render(furnished_room(), small_calibration(), pose_of({}, {0.01 * i, 0, 0}), {.sequence = i});
+  return render(furnished_room(), small_calibration(), pose_of({0, 0, 0}, {0.01 * i, 0, 0}), {.sequence = i});
 }
 
 MissionOptions small_mission() {
@@ -167,14 +177,14 @@ TEST(MissionLife, EndsWhereThePipelineHangs) {
     sink.changed.wait(lock, [&] { return sink.is_reached; });
   }
   std::this_thread::sleep_for(milliseconds(50));
-  EXPECT_EQ(alive, 1) << "only before the first frame";
+  EXPECT_EQ(alive.load(), 1) << "only before the first frame";
   {
     const std::lock_guard lock(sink.mutex);
     sink.is_released = true;
   }
   sink.changed.notify_all();
   mission.get();
-  EXPECT_EQ(alive, 4);
+  EXPECT_EQ(alive.load(), 4);
 }
 
 }  // namespace

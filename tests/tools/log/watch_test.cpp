@@ -29,7 +29,7 @@ StampedPose pose_at(int64_t sequence) {
   pose.source = PoseSource::kModel;
   pose.cause = TrackingCause::kNone;
   pose.quality.inlier_share = 0.83;
-  pose.T_odom_camera.translation() = {1, -2, 0.5};
+  pose.T_odom_camera.translation() = Eigen::Vector3d(1, -2, 0.5);
   return pose;
 }
 
@@ -71,7 +71,7 @@ TEST(LiveState, ASessionBeginsAnew) {
   state.add(pose_at(500), at(0));
   state.add(sample_session(), at(1));
   state.add(pose_at(0), at(1));
-  EXPECT_THAT(state.line(at(1)), HasSubstr("1 frames"));
+  EXPECT_THAT(state.line(at(1)), AllOf(HasSubstr("1 frames"), Not(HasSubstr("501"))));
 }
 
 TEST(LiveState, DiskTellsHowLongItLasts) {
@@ -130,17 +130,20 @@ TEST(LogTail, ReadsWhatIsNewAndWaitsForWholeEvents) {
 
 TEST(LogTail, OfALongLogItReadsTheEnd) {
   const ScratchDir folder;
-  CloudSlice large = sample_slice();
-  large.vertices.resize(300'000, large.vertices.front());  // 13 MB
-  for (const bool ends_with_slice : {false, true}) {
+  RgbdFrame large{
+      .timestamp_us = sample_session().timestamp_us, .depth = Image<uint16_t>(3000, 1600), .colour = {}};
+  uint32_t noise = 1;  // that does not compress: 10 MB
+  for (uint16_t& depth : large.depth.pixels())
+    depth = static_cast<uint16_t>((noise = noise * 1664525 + 1013904223) >> 16);
+  for (const bool ends_with_frame : {false, true}) {
     LogSink sink(folder / "a.lcm", {.overwrite = true});
     sink.on_session(sample_session());
     for (int i = 0; i < 50; ++i) sink.on_pose(pose_at(i));
-    sink.on_slice(large);
-    if (!ends_with_slice) sink.on_pose(pose_at(50));
+    sink.on_raw_frame(large);
+    if (!ends_with_frame) sink.on_pose(pose_at(50));
     sink.close();
     LogTail tail(folder / "a.lcm");
-    EXPECT_EQ(new_messages(tail).size(), ends_with_slice ? 51u : 2u);
+    EXPECT_EQ(new_messages(tail).size(), ends_with_frame ? 51u : 2u);
     EXPECT_TRUE(new_messages(tail).empty());
   }
 }
