@@ -1,62 +1,10 @@
-// Names, ranges and help of the collector's configuration, and its YAML form.
+// Names, ranges and help of the collector's configuration.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/app/config_fields.h"
-
-#include <charconv>
-#include <cmath>
-
-#include "yaml-cpp/yaml.h"
 
 #include "shared/core/check.h"
 
 namespace kt {
-namespace {
-
-std::string number_text(double value) {
-  char buffer[32];
-  const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value);
-  return {buffer, end.ptr};
-}
-
-// Both ends of a name: section and field.
-std::pair<std::string, std::string> split_name(const std::string& name) {
-  const size_t dot = name.find('.');
-  return {name.substr(0, dot), dot == std::string::npos ? "" : name.substr(dot + 1)};
-}
-
-void assign(const ConfigField& field, const std::string& text, const std::string& origin) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool is_number = error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
-  const bool is_integer_field = std::holds_alternative<int*>(field.value);
-  if (!is_number || value < field.low || value > field.high ||
-      (is_integer_field && value != std::floor(value))) {
-    throw Error(origin + ": " + field.name + " must be " + (is_integer_field ? "an integer" : "a number") +
-                " in [" + number_text(field.low) + ", " + number_text(field.high) + "], got '" + text + "'");
-  }
-  if (is_integer_field) {
-    *std::get<int*>(field.value) = static_cast<int>(value);
-  } else {
-    *std::get<double*>(field.value) = value;
-  }
-}
-
-void assign_by_name(CollectorConfig& config, const std::string& name, const std::string& text,
-                    const std::string& origin) {
-  std::string known;
-  for (const ConfigField& field : config_fields(config)) {
-    if (field.name == name) return assign(field, text, origin);
-    known += "\n  " + field.name;
-  }
-  throw Error(origin + ": unknown field '" + name + "'; the fields are" + known);
-}
-
-}  // namespace
-
-std::string ConfigField::text() const {
-  if (const auto* integer = std::get_if<int*>(&value)) return std::to_string(**integer);
-  return number_text(*std::get<double*>(value));
-}
 
 std::vector<ConfigField> config_fields(CollectorConfig& c) {
   return {
@@ -164,51 +112,20 @@ std::vector<ConfigField> config_fields(CollectorConfig& c) {
 void set_config_field(CollectorConfig& config, const std::string& assignment) {
   const size_t equals = assignment.find('=');
   if (equals == std::string::npos) throw Error("--set " + assignment + ": expected NAME=VALUE");
-  assign_by_name(config, assignment.substr(0, equals), assignment.substr(equals + 1), "--set");
+  set_field(config_fields(config), assignment.substr(0, equals), assignment.substr(equals + 1), "--set");
 }
 
 void apply_config_yaml(CollectorConfig& config, const std::string& yaml, const std::string& origin) {
-  YAML::Node root;
-  try {
-    root = YAML::Load(yaml);
-  } catch (const YAML::Exception& e) {
-    throw Error(origin + ": not valid YAML: " + e.what());
-  }
-  if (root.IsNull()) return;
-  if (!root.IsMap()) throw Error(origin + ": expected sections like 'volume:' at the top level");
-  for (const auto& section : root) {
-    const auto name = section.first.as<std::string>("");
-    if (!section.second.IsMap())
-      throw Error(origin + ": section '" + name + "' must hold 'field: value' lines");
-    for (const auto& field : section.second) {
-      assign_by_name(config, name + "." + field.first.as<std::string>(""), field.second.as<std::string>(""),
-                     origin);
-    }
-  }
+  apply_yaml(config_fields(config), yaml, origin);
 }
 
 void take_logged_config(CollectorConfig& config, const std::string& yaml) {
-  YAML::Node root;
-  try {
-    root = YAML::Load(yaml);
-  } catch (const YAML::Exception&) {
-    return;
-  }
-  if (!root.IsMap()) return;
-  for (const ConfigField& field : config_fields(config)) {
-    const auto [section, name] = split_name(field.name);
-    const YAML::Node fields = root[section];
-    if (!fields || !fields.IsMap() || !fields[name]) continue;
-    try {
-      assign(field, fields[name].as<std::string>(""), "log");
-    } catch (const Error&) {
-    }
-  }
+  take_yaml(config_fields(config), yaml);
 }
 
-void check_config(const CollectorConfig& config) {
-  const auto check = [](bool fine, const std::string& problem) {
-    if (!fine) throw Error("configuration: " + problem);
+void check_config(const CollectorConfig& config, const std::string& origin) {
+  const auto check = [&origin](bool fine, const std::string& problem) {
+    if (!fine) throw Error(origin + ": " + problem);
   };
   check(config.preprocess.depth_min_m < config.preprocess.depth_max_m,
         "preprocess.depth_min_m must be less than preprocess.depth_max_m");
@@ -217,18 +134,9 @@ void check_config(const CollectorConfig& config) {
         "volume.min_slice_weight must be less than volume.max_weight, or nothing is ever exported");
 }
 
-std::string config_to_yaml(const CollectorConfig& config, bool with_help) {
+std::string config_to_yaml(const CollectorConfig& config) {
   CollectorConfig copy = config;
-  std::string text, section;
-  for (const ConfigField& field : config_fields(copy)) {
-    const auto [field_section, name] = split_name(field.name);
-    if (field_section != section) text += field_section + ":\n";
-    section = field_section;
-    if (with_help)
-      text += "  # " + field.help + "; " + number_text(field.low) + " to " + number_text(field.high) + "\n";
-    text += "  " + name + ": " + field.text() + "\n";
-  }
-  return text;
+  return to_yaml(config_fields(copy));
 }
 
 }  // namespace kt

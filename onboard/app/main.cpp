@@ -1,18 +1,19 @@
 // kintsugi-collect: options in, mission run, report out.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
+#include <ctime>
 #include <iostream>
-#include <sstream>
 
-#include "onboard/app/config_fields.h"
+#include "onboard/app/command_line.h"
+#include "onboard/app/dated_path.h"
 #include "onboard/app/memory_lock.h"
 #include "onboard/app/mission.h"
 #include "onboard/app/mission_report.h"
+#include "onboard/app/preflight.h"
+#include "onboard/app/service_notifier.h"
 #include "onboard/publish/lcm_sink.h"
 #include "onboard/publish/log_sink.h"
 #include "onboard/publish/tee_sink.h"
@@ -29,50 +30,35 @@ std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
 
 struct Options {
-  std::string input, log, calibration, config, report;
-  std::string device = "auto";
-  std::vector<std::string> settings;
-  int threads = 0;
-  std::string raw_colour = "jpeg";
-  std::optional<std::string> publish;  // empty: LCM's default URL
-  double publish_rate_mb_s = 4, idle_timeout_s = 0;
-  std::string when_late = "degrade";
-  bool real_time = false, lock_memory = false;
-  bool record_raw = false, overwrite = false, quiet = false, print_config = false, list_cameras = false;
+  bool quiet = false, print_config = false, list_cameras = false, check = false;
 };
 
-kt::CollectorConfig read_config(const Options& options) {
-  kt::CollectorConfig config;
-  if (!options.config.empty()) {
-    std::ifstream file(options.config);
-    std::stringstream text;
-    text << file.rdbuf();
-    if (!file) throw kt::Error("cannot read the configuration " + options.config);
-    kt::apply_config_yaml(config, text.str(), options.config);
-  }
-  for (const std::string& setting : options.settings) kt::set_config_field(config, setting);
-  kt::check_config(config);
-  return config;
-}
-
+// Says how the mission goes, on the terminal and to the service manager.
 class FrameProgress {
  public:
+  FrameProgress(bool quiet, kt::ServiceNotifier& service) : quiet_(quiet), service_(service) {}
+
   void show(const kt::MissionStatus& status, int64_t frame_count) {
+    if (quiet_ && !service_.is_connected()) return;
     const int64_t frames = status.frames + status.frames_skipped;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    line_.show(frame_count > 0 ? static_cast<double>(frames) / static_cast<double>(frame_count) : -1,
-               kt::mission_progress_text(status, frame_count, seconds));
+    const std::string text = kt::mission_progress_text(status, frame_count, seconds);
+    service_.status(text);
+    if (quiet_) return;
+    line_.show(frame_count > 0 ? static_cast<double>(frames) / static_cast<double>(frame_count) : -1, text);
   }
   void end() { line_.end(); }
 
  private:
+  const bool quiet_;
+  kt::ServiceNotifier& service_;
   kt::ProgressLine line_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-std::shared_ptr<kt::LcmSink> open_live_sink(const Options& options) {
+std::shared_ptr<kt::LcmSink> open_live_sink(const kt::CollectOptions& options) {
   return std::make_shared<kt::LcmSink>(
-      std::make_shared<kt::LcmBus>(*options.publish),
+      std::make_shared<kt::LcmBus>(options.publish_url()),
       kt::LcmSink::Options{.bytes_per_second = options.publish_rate_mb_s * 1e6});
 }
 
@@ -87,43 +73,48 @@ void list_cameras() {
   }
 }
 
-void run(const Options& options) {
-  if (options.list_cameras) return list_cameras();
-  const kt::CollectorConfig config = read_config(options);
-  if (options.print_config) {
-    std::cout << kt::config_to_yaml(config, /*with_help=*/true);
-    return;
-  }
+void check(const kt::CommandLine& command_line) {
+  const bool is_fine = kt::run_preflight(
+      command_line, [](const kt::Finding& finding) { std::cout << kt::finding_text(finding) << std::endl; });
+  if (!is_fine) throw kt::Error("not ready for a mission; mend what is marked FAIL");
+}
+
+void collect(const kt::CollectSettings& settings, bool quiet) {
+  const kt::CollectOptions& options = settings.mission;
   if (options.input.empty() || options.log.empty())
     throw kt::Error("--input and --log are needed; see --help");
+  kt::ServiceNotifier service;
   std::optional<kt::Calibration> calibration;
   if (!options.calibration.empty()) calibration = kt::find_calibration(options.calibration);
   if (options.lock_memory) kt::lock_memory();
+  service.status("opening " + options.input);
   std::unique_ptr<kt::FrameSource> source = kt::open_source(options.input, calibration);
   if (options.real_time && !source->is_live()) source = std::make_unique<kt::PacedSource>(std::move(source));
 
   kt::MissionOptions mission;
-  mission.config = config;
+  mission.config = settings.config;
   mission.device = kt::exec::Device::from_name(options.device, options.threads);
   mission.record_raw = options.record_raw;
   mission.degrade_when_late = options.when_late == "degrade";
   mission.stop = &stop_requested;
   mission.idle_timeout_s = options.idle_timeout_s;
-  kt::LogSink sink(options.log, {.overwrite = options.overwrite,
-                                 .frames = {.lossless_colour = options.raw_colour == "png"}});
-  if (!options.quiet) {
+  const std::time_t now = std::time(nullptr);
+  const std::filesystem::path log = kt::unused_dated_path(options.log, now);
+  const std::filesystem::path report = kt::unused_dated_path(options.report, now);
+  kt::LogSink sink(
+      log, {.overwrite = options.overwrite, .frames = {.lossless_colour = options.raw_colour == "png"}});
+  if (!quiet) {
     std::fprintf(stderr, "kintsugi-collect %s: %s (camera %s) -> %s, volume %d voxels of %g m, on %s\n",
-                 kt::kProgramVersion, options.input.c_str(), source->calibration().name.c_str(),
-                 options.log.c_str(), config.volume.resolution, config.volume.voxel_size_m,
+                 kt::kProgramVersion, options.input.c_str(), source->calibration().name.c_str(), log.c_str(),
+                 settings.config.volume.resolution, settings.config.volume.voxel_size_m,
                  mission.device.name());
   }
-  FrameProgress progress;
-  if (!options.quiet)
-    mission.on_progress = [&](const kt::MissionStatus& status, int64_t count) {
-      progress.show(status, count);
-    };
+  FrameProgress progress(quiet, service);
+  mission.on_progress = [&](const kt::MissionStatus& status, int64_t count) { progress.show(status, count); };
+  mission.on_alive = [&service] { service.alive(); };
+  mission.on_ending = [&service] { service.stopping(); };
   std::shared_ptr<kt::LcmSink> live;
-  if (options.publish) live = open_live_sink(options);
+  if (options.publishes()) live = open_live_sink(options);
   // From here on there is something to finish.
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop_requested = true; });
   kt::MissionSummary summary;
@@ -135,8 +126,19 @@ void run(const Options& options) {
     summary = kt::run_mission(*source, sink, mission);
   }
   progress.end();
-  if (!options.quiet) std::cout << kt::mission_report_text(summary);
-  if (!options.report.empty()) kt::write_mission_report(summary, options.report);
+  if (!quiet) std::cout << kt::mission_report_text(summary);
+  if (!report.empty()) kt::write_mission_report(summary, report);
+}
+
+void run(const kt::CommandLine& command_line, const Options& options) {
+  if (options.list_cameras) return list_cameras();
+  if (options.check) return check(command_line);
+  kt::CollectSettings settings = kt::read_settings(command_line);
+  if (options.print_config) {
+    std::cout << kt::to_yaml(kt::all_fields(settings), /*with_help=*/true);
+    return;
+  }
+  collect(settings, options.quiet);
 }
 
 }  // namespace
@@ -145,55 +147,9 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Tracks an RGB-D camera, fuses its frames and logs poses and surface for kintsugi-map.",
                "kintsugi-collect"};
-  app.add_option("--input,-i", options.input, "where frames come from: " + kt::joined(kt::source_specs()));
-  app.add_option("--log,-l", options.log, "LCM log to write");
-  app.add_option("--calibration,-k", options.calibration,
-                 "calibration file, or one of " + kt::joined(kt::builtin_calibration_names()) +
-                     "; by default the input's own");
-  app.add_option("--config,-c", options.config,
-                 "configuration file (YAML); --print-config shows every field");
-  app.add_option("--set", options.settings,
-                 "one configuration field, as in --set volume.voxel_size_m=0.005; may be repeated");
-  app.add_option("--threads,-j", options.threads,
-                 "CPU threads, 0 = all cores; the result does not depend on it")
-      ->check(CLI::Range(0, 1024));
-  app.add_option("--device,-d", options.device,
-                 "where kernels run: auto is cuda where there is a usable GPU, else cpu; the result does not "
-                 "depend on it")
-      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
-      ->capture_default_str();
-  app.add_flag("--real-time", options.real_time,
-               "take a recorded input at the pace of its stamps, as if it were live: what comes too fast is "
-               "degraded or dropped");
-  app.add_option("--when-late", options.when_late,
-                 "what a mission does whose live input comes too fast: degrade (less work per frame, see "
-                 "docs/realtime.md), or drop (full work, and the oldest of 30 waiting frames is dropped; the "
-                 "last resort of degrade, too)")
-      ->check(CLI::IsMember({"degrade", "drop"}))
-      ->capture_default_str();
-  app.add_flag("--lock-memory", options.lock_memory, "keep all memory from being paged out");
-  app.add_flag("--record-raw", options.record_raw,
-               "log the frames themselves too, for re-integration and replay");
-  app.add_option("--raw-colour", options.raw_colour,
-                 "how --record-raw stores colour: jpeg, or png (lossless: a replay gives the same mission)")
-      ->check(CLI::IsMember({"jpeg", "png"}))
-      ->capture_default_str();
-  app.add_option(
-         "--publish", options.publish,
-         "publish poses, slices, keyframes, closures and status on LCM while the mission runs; URL as "
-         "LCM takes it, by default $LCM_DEFAULT_URL or udpm://239.255.76.67:7667?ttl=0")
-      ->expected(0, 1)
-      ->type_name("[URL]");
-  app.add_option("--publish-rate", options.publish_rate_mb_s,
-                 "MB per second at which slices and keyframes are published; see docs/lcm.md")
-      ->check(CLI::Range(0.01, 1000.0))
-      ->capture_default_str();
-  app.add_option("--idle-timeout", options.idle_timeout_s,
-                 "end the mission where a live input has brought no frame for so many seconds; 0 = never")
-      ->check(CLI::Range(0.0, 1e6))
-      ->capture_default_str();
-  app.add_flag("--overwrite", options.overwrite, "replace an existing log");
-  app.add_option("--report", options.report, "write the end report as JSON");
+  const auto command_line = kt::add_mission_options(app);
+  app.add_flag("--check", options.check,
+               "test camera, processor, disk and network with these options, say what to mend, and stop");
   app.add_flag("--print-config", options.print_config,
                "print the configuration with every field explained, and stop");
   app.add_flag("--list-cameras", options.list_cameras,
@@ -201,5 +157,5 @@ int main(int argc, char** argv) {
   app.add_flag("--quiet,-q", options.quiet, "print errors only");
   app.set_version_flag("--version", std::string("kintsugi-collect ") + kt::kProgramVersion);
 
-  return kt::run_program(app, argc, argv, [&] { run(options); });
+  return kt::run_program(app, argc, argv, [&] { run(command_line(), options); });
 }

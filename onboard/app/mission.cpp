@@ -55,6 +55,7 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   };
   std::exception_ptr failure;  // of the source: what was mapped before it goes into the log first
   const auto next = [&]() -> SourceItem {
+    if (options.on_alive) options.on_alive();
     try {
       return frames.next();
     } catch (...) {
@@ -113,6 +114,7 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
     if (options.on_progress) options.on_progress(collector.status(), source.frame_count());
   }
   load.count_dropped();
+  if (options.on_ending) options.on_ending();
   summary.interrupted = stopped();
   if (collector.status().frames == 0 && !summary.interrupted) {
     if (failure) std::rethrow_exception(failure);

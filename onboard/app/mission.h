@@ -52,6 +52,11 @@ struct MissionOptions {
   double idle_timeout_s = 0;
   std::function<void(const MissionStatus&, int64_t frame_count)>
       on_progress;  ///< after every frame; count -1 = unknown
+  /// Before every wait for the source, first when the pipeline stands. While the mission lives calls come
+  /// within seconds of each other, with frames or without; where processing, logging or a driver hangs they
+  /// end.
+  std::function<void()> on_alive;
+  std::function<void()> on_ending;  ///< once: no frame is taken any more, what is left is logged now
 };
 
 /// The source is read on a thread of its own, some frames ahead; FrameQueue says when frames are dropped,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "shared/core/check.h"
+#include "shared/core/temperature.h"
 #include "shared/wire/codec.h"
 
 namespace kt {
@@ -41,6 +42,15 @@ void LcmSink::close() {
 LcmSink::Counts LcmSink::counts() const {
   const std::lock_guard lock(mutex_);
   return counts_;
+}
+
+void LcmSink::on_status(MissionStatus status) {
+  if (const Clock::time_point now = Clock::now(); now >= next_temperature_) {
+    temperature_c_ = hottest_temperature_c().value_or(0);
+    next_temperature_ = now + std::chrono::seconds(1);
+  }
+  status.temperature_c = temperature_c_;
+  put_small(std::move(status));
 }
 
 void LcmSink::put_small(Small message) {

@@ -48,7 +48,8 @@ class LcmSink final : public MessageSink {
   void on_slice(CloudSlice slice) override { put_large(std::move(slice)); }
   void on_keyframe(Keyframe keyframe) override { put_large(std::move(keyframe)); }
   void on_loop_closure(LoopClosure loop) override { put_small(std::move(loop)); }
-  void on_status(MissionStatus status) override { put_small(std::move(status)); }
+  /// With the computer's temperature, read at most once a second.
+  void on_status(MissionStatus status) override;
   void on_load(LoadReport load) override { put_small(load); }
   /// The mission's input is not published: it would come back as input where that is the same network.
   void on_raw_frame(RgbdFrame) override {}
@@ -77,6 +78,8 @@ class LcmSink final : public MessageSink {
 
   std::shared_ptr<LcmBus> bus_;
   const Options options_;
+  int temperature_c_ = 0;  ///< as MissionStatus; used by the caller's thread alone, like the next
+  Clock::time_point next_temperature_{};
 
   mutable std::mutex mutex_;  ///< guards all of the following
   std::condition_variable changed_;

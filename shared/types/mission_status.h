@@ -10,7 +10,7 @@
 
 namespace kt {
 
-/// Holds nothing that depends on the clock or the machine, so that equal missions give equal logs.
+/// What is logged depends neither on the clock nor on the machine, so that equal missions give equal logs.
 struct MissionStatus {
   int64_t sequence = 0;      ///< counts status messages
   int64_t timestamp_us = 0;  ///< of the last frame
@@ -28,6 +28,8 @@ struct MissionStatus {
   PoseSource source = PoseSource::kNone;
   TrackingCause cause = TrackingCause::kNone;
   double inlier_share = 0;
+  /// Of the hottest part of the computer, where results are published live; 0: not told, as in every log.
+  int temperature_c = 0;
 };
 
 }  // namespace kt

@@ -23,7 +23,7 @@ namespace {
 const MessageLayout kSessionLayout{.fixed_bytes = 420, .strings = 3};
 const MessageLayout kPoseLayout{.fixed_bytes = 348};
 const MessageLayout kSliceLayout{.fixed_bytes = 153, .arrays = {{145, 43}, {149, 12}}};
-const MessageLayout kStatusLayout{.fixed_bytes = 187};
+const MessageLayout kStatusLayout{.fixed_bytes = 189};
 const MessageLayout kFrameLayout{.fixed_bytes = 52, .arrays = {{44, 1}, {48, 1}}};
 const MessageLayout kMotionLayout{.fixed_bytes = 198};
 const MessageLayout kLoadLayout{.fixed_bytes = 165};
@@ -222,6 +222,7 @@ std::vector<uint8_t> encode(const MissionStatus& status, int64_t message_sequenc
   message.tracking = static_cast<int8_t>(status.tracking);
   message.source = static_cast<int8_t>(status.source);
   message.cause = static_cast<int8_t>(status.cause);
+  message.temperature_c = static_cast<int16_t>(status.temperature_c);
   return seal(message, kStatusLayout, message_sequence, status.timestamp_us);
 }
 
@@ -250,6 +251,7 @@ DecodeStatus decode(std::span<const uint8_t> bytes, MissionStatus& status) {
   value.tracking = static_cast<TrackingStatus>(message.tracking);
   value.source = static_cast<PoseSource>(message.source);
   value.cause = static_cast<TrackingCause>(message.cause);
+  value.temperature_c = message.temperature_c;
   return accept(std::move(value), status);
 }
 

@@ -24,6 +24,7 @@ bool is_stamp(int64_t timestamp_us) { return in_range(timestamp_us, -kMaxTimesta
 bool is_text(const std::string& text) { return text.find('\0') == std::string::npos; }
 
 bool is_segment(int segment) { return segment >= 0; }
+bool is_temperature(int degrees) { return degrees >= -100 && degrees <= 300; }
 bool is_source(PoseSource source) { return static_cast<int>(source) < kPoseSources; }
 bool is_cause(TrackingCause cause) { return static_cast<int>(cause) < kTrackingCauses; }
 bool is_verdict(LoopVerdict verdict) { return static_cast<int>(verdict) < kLoopVerdicts; }
@@ -149,8 +150,9 @@ DecodeStatus validity(const MissionStatus& status) {
       is_count(status.sequence) && is_stamp(status.timestamp_us) && is_count(status.frames) &&
       is_count(status.frames_good) && is_count(status.frames_uncertain) && is_count(status.frames_lost) &&
       is_count(status.frames_skipped) && is_count(status.slices) && is_count(status.slice_vertices) &&
-      is_count(status.slice_triangles) && is_segment(status.segment) && status.segments >= 0 &&
-      status.tracking <= TrackingStatus::kLost && is_source(status.source) && is_cause(status.cause) &&
+      is_count(status.slice_triangles) && is_temperature(status.temperature_c) &&
+      is_segment(status.segment) && status.segments >= 0 && status.tracking <= TrackingStatus::kLost &&
+      is_source(status.source) && is_cause(status.cause) &&
       std::all_of(status.frames_by_source.begin(), status.frames_by_source.end(), is_count);
   if (!std::isfinite(status.inlier_share)) return kNotFinite;
   return sane ? kOk : kOutOfRange;

@@ -43,7 +43,9 @@ if(NOT KT_CORE_ONLY)
   find_package(yaml-cpp REQUIRED)
   find_package(JPEG REQUIRED)
   find_package(ZLIB REQUIRED)
-  find_package(Ceres 2.1 REQUIRED)
+  if(NOT KT_ONBOARD_ONLY)
+    find_package(Ceres 2.1 REQUIRED)
+  endif()
 endif()
 
 # One place for the flags that keep results equal on every machine (ARCHITECTURE.md, determinism). A bench that measures what they
@@ -94,16 +96,20 @@ function(kt_library folder)
   endif()
 endfunction()
 
-# kt_program(<name> SOURCES ... [CUDA ...] DEPS ... [NO_INSTALL]): an executable, installed unless told otherwise.
+# kt_program(<name> SOURCES ... [CUDA ...] DEPS ... [NO_INSTALL] [PART <part>]): an executable, installed unless told otherwise; PART
+# names the Debian package that it goes to: offboard where nothing is said, else onboard or common.
 function(kt_program name)
-  cmake_parse_arguments(ARG "NO_INSTALL" "" "SOURCES;CUDA;DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "NO_INSTALL" "PART" "SOURCES;CUDA;DEPS" ${ARGN})
+  if(NOT ARG_PART)
+    set(ARG_PART offboard)
+  endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE kt_flags ${ARG_DEPS})
   if(KT_HAVE_CUDA AND ARG_CUDA)
     kt_cuda_sources(${name} "${ARG_DEPS}" ${ARG_CUDA})
   endif()
   if(NOT ARG_NO_INSTALL)
-    install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${ARG_PART})
   endif()
 endfunction()
 

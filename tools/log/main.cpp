@@ -1,5 +1,7 @@
-// kintsugi-log: says what a log holds, and converts logs from and to other forms.
+// kintsugi-log: says what a log holds, converts logs from and to other forms, and watches missions.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <string>
 
@@ -8,9 +10,18 @@
 #include "shared/io/calibration_file.h"
 #include "tools/log/convert.h"
 #include "tools/log/info.h"
+#include "tools/log/watch.h"
+
+namespace {
+
+std::atomic<bool> stop_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Says what a log holds, and converts logs from and to other forms.", "kintsugi-log");
+  CLI::App app("Says what a log holds, converts logs from and to other forms, and watches missions.",
+               "kintsugi-log");
   app.require_subcommand(1);
 
   std::string log;
@@ -43,7 +54,24 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   convert->add_flag("--overwrite", options.overwrite, "replace the target where it exists");
 
+  kt::WatchOptions watching;
+  CLI::App* watch =
+      app.add_subcommand("watch", "a mission under way: tracking, rate, drops, volume, disk, temperature");
+  watch->add_option(
+      "log", watching.log,
+      "log that is being written, or the folder of logs, of which the newest is followed; by default "
+      "the results that a collector publishes on LCM (kintsugi-collect --publish)");
+  watch->add_option("--lcm", watching.url,
+                    "URL of the LCM network; by default $LCM_DEFAULT_URL or udpm://239.255.76.67:7667?ttl=0");
+  watch->add_option("--seconds", watching.seconds, "end after so long; 0 = with Ctrl-C")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
+
   return kt::run_program(app, argc, argv, [&] {
+    if (watch->parsed()) {
+      for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop_requested = true; });
+      return kt::watch(watching, stop_requested, stdout);
+    }
     if (info->parsed()) {
       const kt::LogInfo log_info = kt::read_info(log);
       std::fputs((json ? kt::info_json(log_info) : kt::info_text(log_info)).c_str(), stdout);

@@ -126,7 +126,8 @@ inline MissionStatus sample_status() {
           TrackingStatus::kLost,
           PoseSource::kPrior,
           TrackingCause::kNoDepth,
-          0.25};
+          0.25,
+          61};
 }
 
 inline CompressedFrame sample_frame() {
@@ -276,6 +277,7 @@ inline void expect_equal(const MissionStatus& a, const MissionStatus& b) {
   EXPECT_EQ(a.source, b.source);
   EXPECT_EQ(a.cause, b.cause);
   EXPECT_EQ(a.inlier_share, b.inlier_share);
+  EXPECT_EQ(a.temperature_c, b.temperature_c);
 }
 inline void expect_equal(const CompressedFrame& a, const CompressedFrame& b) {
   EXPECT_EQ(a.sequence, b.sequence);

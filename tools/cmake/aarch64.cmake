@@ -1,0 +1,26 @@
+# Toolchain of the preset `robot`: on aarch64 the machine's own compiler, elsewhere Debian's cross compiler with :arm64 libraries.
+if(NOT CMAKE_HOST_SYSTEM_PROCESSOR STREQUAL "aarch64")
+  set(CMAKE_SYSTEM_NAME Linux)
+  set(CMAKE_SYSTEM_PROCESSOR aarch64)
+  set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
+  set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
+  set(CMAKE_CUDA_HOST_COMPILER aarch64-linux-gnu-g++)
+  set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
+  # A library of the building machine is worse than none.
+  set(CMAKE_IGNORE_PATH /usr/lib/x86_64-linux-gnu /lib/x86_64-linux-gnu)
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+endif()
+
+# Xavier (72) as long as nvcc knows it, and Orin (87).
+if(NOT CMAKE_CUDA_ARCHITECTURES)
+  find_program(nvcc nvcc PATHS /usr/local/cuda/bin)
+  if(nvcc)
+    execute_process(COMMAND ${nvcc} --version OUTPUT_VARIABLE nvcc_version)
+    string(REGEX MATCH "release ([0-9]+)" nvcc_version "${nvcc_version}")
+    if(CMAKE_MATCH_1 VERSION_LESS 13)
+      set(CMAKE_CUDA_ARCHITECTURES 72-real 87)
+    else()
+      set(CMAKE_CUDA_ARCHITECTURES 87)
+    endif()
+  endif()
+endif()
