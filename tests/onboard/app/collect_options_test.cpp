@@ -85,7 +85,7 @@ TEST_F(ConfigurationFile, ErrorsNameFileLineAndKey) {
               AllOf(StartsWith(at_line(3)), HasSubstr("mission.log is there twice")));
   EXPECT_THAT(error_with("mission: {log: a}\nmission: {log: b}\n"),
               AllOf(StartsWith(at_line(2)), HasSubstr("mission.log is there twice")));
-  EXPECT_THAT(error_with("mission:\n  log: 'a\n"), HasSubstr("not valid YAML"));
+  EXPECT_THAT(error_with("mission:\n  log: [a\n"), HasSubstr("not valid YAML"));
   EXPECT_THAT(error_with("missions:\n"), AllOf(StartsWith(at_line(1)), HasSubstr("'missions'")));
   EXPECT_THAT(error_with("volume: {resolution: 100}"),
               AllOf(HasSubstr("robot.yaml"), HasSubstr("volume.resolution must be a multiple of 32")));
