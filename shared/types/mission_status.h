@@ -7,10 +7,12 @@
 
 #include "shared/core/vec.h"
 #include "shared/types/stamped_pose.h"
+#include "shared/types/storage_state.h"
 
 namespace kt {
 
-/// Holds nothing that depends on the clock or the machine, so that equal missions give equal logs.
+/// Holds nothing that depends on the clock or the machine, so that equal missions give equal logs where the
+/// disk has room for them.
 struct MissionStatus {
   int64_t sequence = 0;      ///< counts status messages
   int64_t timestamp_us = 0;  ///< of the last frame
@@ -27,6 +29,9 @@ struct MissionStatus {
   PoseSource source = PoseSource::kNone;
   TrackingCause cause = TrackingCause::kNone;
   double inlier_share = 0;
+  // Of the log, before this message:
+  StorageLevel storage = StorageLevel::kAll;
+  int64_t not_stored = 0;  ///< messages, for want of room
 };
 
 }  // namespace kt

@@ -22,7 +22,7 @@ namespace {
 const MessageLayout kSessionLayout{.fixed_bytes = 316, .strings = 3};
 const MessageLayout kPoseLayout{.fixed_bytes = 348};
 const MessageLayout kSliceLayout{.fixed_bytes = 153, .arrays = {{145, 43}, {149, 12}}};
-const MessageLayout kStatusLayout{.fixed_bytes = 187};
+const MessageLayout kStatusLayout{.fixed_bytes = 196};
 const MessageLayout kFrameLayout{.fixed_bytes = 52, .arrays = {{44, 1}, {48, 1}}};
 const MessageLayout kMotionLayout{.fixed_bytes = 197};
 
@@ -54,6 +54,14 @@ bool has_valid_checksum(std::span<const uint8_t> bytes) {
 MessageStamp stamp_of(std::span<const uint8_t> bytes) {
   KT_CHECK(bytes.size() >= kHeaderEnd);
   return {load_int64(bytes.data() + kSequenceOffset), load_int64(bytes.data() + kTimestampOffset)};
+}
+
+std::vector<uint8_t> content_of(std::span<const uint8_t> bytes) {
+  KT_CHECK(bytes.size() >= kHeaderEnd);
+  std::vector<uint8_t> content(bytes.begin(), bytes.end());
+  std::fill_n(content.begin() + kSequenceOffset, kTimestampOffset - kSequenceOffset, uint8_t{0});
+  std::fill_n(content.begin() + kChecksumOffset, kHeaderEnd - kChecksumOffset, uint8_t{0});
+  return content;
 }
 
 std::vector<uint8_t> encode(const SessionHeader& session, int64_t message_sequence) {
@@ -216,6 +224,8 @@ std::vector<uint8_t> encode(const MissionStatus& status, int64_t message_sequenc
   message.tracking = static_cast<int8_t>(status.tracking);
   message.source = static_cast<int8_t>(status.source);
   message.cause = static_cast<int8_t>(status.cause);
+  message.storage = static_cast<int8_t>(status.storage);
+  message.not_stored = status.not_stored;
   return seal(message, kStatusLayout, message_sequence, status.timestamp_us);
 }
 
@@ -244,6 +254,8 @@ DecodeStatus decode(std::span<const uint8_t> bytes, MissionStatus& status) {
   value.tracking = static_cast<TrackingStatus>(message.tracking);
   value.source = static_cast<PoseSource>(message.source);
   value.cause = static_cast<TrackingCause>(message.cause);
+  value.storage = static_cast<StorageLevel>(message.storage);
+  value.not_stored = message.not_stored;
   return accept(std::move(value), status);
 }
 
