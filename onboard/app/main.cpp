@@ -34,6 +34,7 @@ struct Options {
   std::string raw_colour = "jpeg";
   std::optional<std::string> publish;  // empty: LCM's default URL
   double publish_rate_mb_s = 4, idle_timeout_s = 0;
+  int64_t max_file_bytes = 0, reserve_bytes = int64_t{512} << 20;
   bool record_raw = false, overwrite = false, quiet = false, print_config = false, list_cameras = false;
 };
 
@@ -53,15 +54,27 @@ kt::CollectorConfig read_config(const Options& options) {
 
 class FrameProgress {
  public:
+  explicit FrameProgress(bool quiet) : quiet_(quiet) {}
   void show(const kt::MissionStatus& status, int64_t frame_count) {
+    if (std::exchange(storage_, status.storage) != status.storage) tell_storage();
+    if (quiet_) return;
     const int64_t frames = status.frames + status.frames_skipped;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     line_.show(frame_count > 0 ? static_cast<double>(frames) / static_cast<double>(frame_count) : -1,
                kt::mission_progress_text(status, frame_count, seconds));
   }
-  void end() { line_.end(); }
+  void end() {
+    if (!quiet_) line_.end();
+  }
 
  private:
+  void tell_storage() {
+    end();
+    std::fprintf(stderr, "kintsugi-collect: log: %s\n", kt::to_string(storage_));
+  }
+
+  bool quiet_;
+  kt::StorageLevel storage_ = kt::StorageLevel::kAll;
   kt::ProgressLine line_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
@@ -102,19 +115,20 @@ void run(const Options& options) {
   mission.record_raw = options.record_raw;
   mission.stop = &stop_requested;
   mission.idle_timeout_s = options.idle_timeout_s;
-  kt::LogSink sink(options.log, {.overwrite = options.overwrite,
-                                 .frames = {.lossless_colour = options.raw_colour == "png"}});
+  kt::LogSink sink(options.log,
+                   {.overwrite = options.overwrite,
+                    .frames = {.lossless_colour = options.raw_colour == "png"},
+                    .max_file_bytes = options.max_file_bytes,
+                    .reserve_bytes = options.reserve_bytes},
+                   {.called = &stop_requested});
   if (!options.quiet) {
     std::fprintf(stderr, "kintsugi-collect %s: %s (camera %s) -> %s, volume %d voxels of %g m, on %s\n",
                  kt::kProgramVersion, options.input.c_str(), source->calibration().name.c_str(),
                  options.log.c_str(), config.volume.resolution, config.volume.voxel_size_m,
                  mission.device.name());
   }
-  FrameProgress progress;
-  if (!options.quiet)
-    mission.on_progress = [&](const kt::MissionStatus& status, int64_t count) {
-      progress.show(status, count);
-    };
+  FrameProgress progress(options.quiet);
+  mission.on_progress = [&](const kt::MissionStatus& status, int64_t count) { progress.show(status, count); };
   std::shared_ptr<kt::LcmSink> live;
   if (options.publish) live = open_live_sink(options);
   // From here on there is something to finish.
@@ -130,6 +144,10 @@ void run(const Options& options) {
   progress.end();
   if (!options.quiet) std::cout << kt::mission_report_text(summary);
   if (!options.report.empty()) kt::write_mission_report(summary, options.report);
+  if (summary.storage.not_stored() > 0) {
+    throw kt::Error("the disk of the log " + options.log + " had no room for " +
+                    kt::not_stored_text(summary.storage) + "; all else is stored. Free space there");
+  }
 }
 
 }  // namespace
@@ -174,6 +192,19 @@ int main(int argc, char** argv) {
   app.add_option("--idle-timeout", options.idle_timeout_s,
                  "end the mission where a live input has brought no frame for so many seconds; 0 = never")
       ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--roll", options.max_file_bytes,
+                 "begin another file (NAME.001.lcm, ...) where the log's would grow beyond this size, as in "
+                 "1GB; 0 = never")
+      ->transform(CLI::AsSizeValue(true))
+      ->check(CLI::Range(int64_t{0}, int64_t{1} << 50))
+      ->capture_default_str();
+  app.add_option(
+         "--reserve", options.reserve_bytes,
+         "where less is free on the log's disk, as in 2GB, raw frames are no longer stored, and below "
+         "a quarter of it keyframes neither")
+      ->transform(CLI::AsSizeValue(true))
+      ->check(CLI::Range(int64_t{0}, int64_t{1} << 50))
       ->capture_default_str();
   app.add_flag("--overwrite", options.overwrite, "replace an existing log");
   app.add_option("--report", options.report, "write the end report as JSON");

@@ -40,6 +40,7 @@ class TeeSink final : public MessageSink {
   }
   void on_raw_frame(RgbdFrame frame) override { log_.on_raw_frame(std::move(frame)); }
   void on_motion_sample(MotionSample sample) override { log_.on_motion_sample(std::move(sample)); }
+  StorageState storage() const override { return log_.storage(); }
   /// The log first: it must be whole even where `live` takes its time.
   void close() override {
     log_.close();
