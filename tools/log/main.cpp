@@ -1,4 +1,4 @@
-// kintsugi-log: says what a log holds, and converts logs from and to other forms.
+// kintsugi-log: says what a log holds, converts logs from and to other forms, and repairs them.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdio>
 #include <string>
@@ -8,9 +8,11 @@
 #include "shared/io/calibration_file.h"
 #include "tools/log/convert.h"
 #include "tools/log/info.h"
+#include "tools/log/repair.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("Says what a log holds, and converts logs from and to other forms.", "kintsugi-log");
+  CLI::App app("Says what a log holds, converts logs from and to other forms, and repairs them.",
+               "kintsugi-log");
   app.require_subcommand(1);
 
   std::string log;
@@ -43,7 +45,19 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   convert->add_flag("--overwrite", options.overwrite, "replace the target where it exists");
 
+  kt::RepairOptions repairs;
+  CLI::App* repair = app.add_subcommand(
+      "repair", "a damaged log without its damage: what is intact is copied, the log itself stays");
+  repair->add_option("log", log, "LCM log; of one in several files the first")->required();
+  repair->add_option("--output,-o", repairs.output, "file to write; by default NAME.repaired.lcm beside it");
+  repair->add_flag("--in-place", repairs.in_place, "replace the log itself");
+  repair->add_flag("--overwrite", repairs.overwrite, "replace the output where it exists");
+
   return kt::run_program(app, argc, argv, [&] {
+    if (repair->parsed()) {
+      std::puts(kt::repair_text(kt::repair_log(log, repairs)).c_str());
+      return;
+    }
     if (info->parsed()) {
       const kt::LogInfo log_info = kt::read_info(log);
       std::fputs((json ? kt::info_json(log_info) : kt::info_text(log_info)).c_str(), stdout);
