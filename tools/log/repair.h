@@ -19,7 +19,8 @@ struct RepairOptions {
 struct RepairReport {
   std::filesystem::path output{};  ///< the first file
   int64_t files = 0;
-  LogIntegrity found{};  ///< of all files: events kept, events dropped as damaged, bytes skipped between events
+  LogIntegrity
+      found{};  ///< of all files: events kept, events dropped as damaged, bytes skipped between events
   int64_t cut_bytes = 0;  ///< of an event that the log ends in
 };
 
