@@ -17,6 +17,7 @@
 #include "offboard/session/join_sessions.h"
 #include "shared/core/check.h"
 #include "shared/io/file.h"
+#include "shared/wire/log_parts.h"
 
 namespace kt {
 namespace {
@@ -202,7 +203,9 @@ class MapRun {
 std::string make_map(const MapOptions& options, const StageProgress& progress) {
   if (!options.keeps_stages && options.until != MapStage::kMesh)
     throw Error("a run that keeps no stages and stops before the last one would leave nothing");
-  return MapRun(options, progress).run();
+  MapOptions chosen = options;
+  chosen.logs = without_later_parts(options.logs);
+  return MapRun(chosen, progress).run();
 }
 
 }  // namespace kt

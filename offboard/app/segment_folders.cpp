@@ -10,6 +10,7 @@
 #include "offboard/map/cloud_file.h"
 #include "offboard/stages/file_identity.h"
 #include "shared/core/check.h"
+#include "shared/io/file.h"
 #include "shared/io/g2o.h"
 #include "shared/io/mesh_file.h"
 #include "shared/io/text_lines.h"
@@ -83,8 +84,7 @@ void remove_segment_folders(const fs::path& output) {
     for (const char* name : {"map.ply", "map.obj", "map.glb", "map.pcd", kTrajectory, kPoses}) {
       std::error_code ignored;
       if (fs::is_directory(fs::symlink_status(folder / name, ignored))) continue;  // not ours
-      fs::remove(folder / name, error);
-      if (error) fail("remove", folder / name, error);
+      remove_file(folder / name);
     }
     // A link to a folder is somebody's choice, and a folder that holds more is somebody's too.
     std::error_code ignored;

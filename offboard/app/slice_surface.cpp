@@ -16,6 +16,7 @@
 #include "offboard/map/stays.h"
 #include "offboard/map/tile_file.h"
 #include "offboard/map/weld.h"
+#include "shared/io/file.h"
 
 namespace kt {
 namespace {
@@ -140,7 +141,7 @@ void surface_of_slices(const Group& group, std::span<const MissionLog> logs, con
   TileWriter sheet(tiles, config.grid);
   one_sheet(TileFile(patches), one, tiles.string() + ".marks", sheet);
   sheet.finish();
-  std::filesystem::remove(patches);
+  remove_file(patches);
 }
 
 }  // namespace kt

@@ -14,8 +14,10 @@ namespace kt {
 
 template <typename Archive>
 void fields(Archive& archive, LogIntegrity& value) {
-  auto& [events, unknown, damaged, skipped_bytes, missing, truncated, no_session, no_final_slice] = value;
-  archive(events, unknown, damaged, skipped_bytes, missing, truncated, no_session, no_final_slice);
+  auto& [events, unknown, damaged, skipped_bytes, missing, missing_parts, truncated, no_session,
+         no_final_slice] = value;
+  archive(events, unknown, damaged, skipped_bytes, missing, missing_parts, truncated, no_session,
+          no_final_slice);
 }
 
 template <typename Archive>

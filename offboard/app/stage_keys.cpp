@@ -7,6 +7,7 @@
 #include "offboard/app/stage_fields.h"
 #include "offboard/stages/file_identity.h"
 #include "shared/core/version.h"
+#include "shared/wire/log_parts.h"
 
 namespace kt {
 namespace {
@@ -27,14 +28,21 @@ std::string identity_of_source(const std::string& spec) {
   const std::filesystem::path path = spec.substr(colon + 1);
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return spec;
-  return spec.substr(0, colon + 1) + identity_of(path).hex();
+  if (std::filesystem::is_directory(path, ignored))
+    return spec.substr(0, colon + 1) + identity_of(path).hex();
+  std::string identity = spec.substr(0, colon + 1);
+  for (const std::filesystem::path& part : log_parts(path).paths) identity += identity_of(part).hex();
+  return identity;
 }
 
 }  // namespace
 
 Digest load_key(const MapOptions& options) {
   std::vector<std::string> logs;
-  for (const std::filesystem::path& log : options.logs) logs.push_back(identity_of(log).hex());
+  for (const std::filesystem::path& log : options.logs) {
+    for (const std::filesystem::path& part : log_parts(log).paths) logs.push_back(identity_of(part).hex());
+    logs.emplace_back();  // where a log ends
+  }
   return key_of(kStageFormat, std::string(kProgramVersion), logs);
 }
 

@@ -13,6 +13,8 @@ std::string integrity_text(const LogIntegrity& integrity) {
   add(integrity.damaged_events, " damaged");
   add(integrity.skipped_bytes, " bytes skipped");
   add(integrity.missing_messages, " messages missing");
+  add(integrity.missing_parts,
+      integrity.missing_parts == 1 ? " part of the log missing" : " parts of the log missing");
   if (integrity.truncated) text += ", truncated";
   if (integrity.session_missing) text += ", no session event";
   if (integrity.final_slice_missing) {
@@ -29,6 +31,7 @@ nlohmann::ordered_json integrity_json(const LogIntegrity& integrity) {
           {"damaged_events", integrity.damaged_events},
           {"skipped_bytes", integrity.skipped_bytes},
           {"missing_messages", integrity.missing_messages},
+          {"missing_parts", integrity.missing_parts},
           {"truncated", integrity.truncated},
           {"session_missing", integrity.session_missing},
           {"final_slice_missing", integrity.final_slice_missing}};

@@ -95,6 +95,7 @@ JoinedSession join_sessions(std::vector<Session> sessions) {
     all.integrity.damaged_events += more.damaged_events;
     all.integrity.skipped_bytes += more.skipped_bytes;
     all.integrity.missing_messages += more.missing_messages;
+    all.integrity.missing_parts += more.missing_parts;
     all.integrity.truncated |= more.truncated;
     all.integrity.session_missing |= more.session_missing;
     all.integrity.final_slice_missing |= more.final_slice_missing;

@@ -18,17 +18,7 @@
 #include "shared/io/file.h"
 
 namespace kt {
-namespace {
-
 namespace fs = std::filesystem;
-
-void remove_file(const fs::path& path) {
-  std::error_code error;
-  fs::remove(path, error);
-  if (error) throw Error(path.string() + ": cannot be removed: " + error.message());
-}
-
-}  // namespace
 
 StageStore::StageStore(fs::path folder, bool kept) : folder_(std::move(folder)), kept_(kept) {
   std::error_code ignored;
@@ -124,9 +114,7 @@ void StageStore::finish(const std::string& stage, const Digest& key, double seco
   const nlohmann::ordered_json json = {{"key", key.hex()}, {"files", files}, {"seconds", seconds}};
   const fs::path written = record_path(stage).string() + ".tmp";
   write_file(written, json.dump(2) + "\n");
-  std::error_code error;
-  fs::rename(written, record_path(stage), error);
-  if (error) throw Error(record_path(stage).string() + ": cannot be written: " + error.message());
+  rename_file(written, record_path(stage));
 }
 
 }  // namespace kt

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/app/collect_options.h"
 
+#include <charconv>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <sstream>
 
 #include "shared/core/check.h"
@@ -59,6 +61,15 @@ std::vector<ConfigField> mission_fields(CollectOptions& o) {
       {"mission.idle_timeout",
        "end the mission where a live input has brought no frame for so many seconds; 0 = never", 0, 1e6,
        &o.idle_timeout_s},
+      {"mission.roll",
+       "begin another file (NAME.001.lcm, ...) where the log's would grow beyond this size, as in 1GB; 0 = "
+       "never",
+       0, 0, &o.roll},
+      {"mission.reserve",
+       "where less is free on the log's disk, as in 2GB, raw frames are no longer stored, and below a "
+       "quarter "
+       "of it keyframes neither",
+       0, 0, &o.reserve},
       {"mission.overwrite", "replace an existing log", 0, 0, &o.overwrite},
       {"mission.real_time",
        "take a recorded input at the pace of its stamps, as if it were live: what comes too fast is degraded "
@@ -75,6 +86,18 @@ std::vector<ConfigField> mission_fields(CollectOptions& o) {
        {"degrade", "drop"}},
       {"mission.lock_memory", "keep all memory from being paged out", 0, 0, &o.lock_memory},
   };
+}
+
+int64_t size_in_bytes(const std::string& text, const std::string& label) {
+  static const std::map<std::string, double> kUnits = {
+      {"", 1},      {"B", 1},        {"kB", 1e3},     {"MB", 1e6},     {"GB", 1e9},
+      {"TB", 1e12}, {"KiB", 0x1p10}, {"MiB", 0x1p20}, {"GiB", 0x1p30}, {"TiB", 0x1p40}};
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const auto unit = kUnits.find(std::string(end, text.data() + text.size()));
+  if (error != std::errc() || unit == kUnits.end() || !(number >= 0 && number * unit->second <= 0x1p50))
+    throw Error(label + " must be a size, as in 500MB or 1GiB, got '" + text + "'");
+  return static_cast<int64_t>(number * unit->second);
 }
 
 std::vector<ConfigField> all_fields(CollectSettings& settings) {

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct CollectOptions {
   std::string publish = "off";  ///< "off", "default" (LCM's own URL) or a URL
   double publish_rate_mb_s = 4;
   double idle_timeout_s = 0;
+  std::string roll = "0";  ///< as size_in_bytes takes it, like `reserve`
+  std::string reserve = "512MiB";
   bool overwrite = false;
   bool real_time = false;
   std::string when_late = "degrade";
@@ -35,6 +38,9 @@ struct CollectOptions {
 
 /// Every option, bound to `options`, in the order of the documentation: "mission.record_raw" is --record-raw.
 std::vector<ConfigField> mission_fields(CollectOptions& options);
+
+/// "1.5GB", "512MiB", "0": bytes. Throws kt::Error "<label> must be ..." where it is no size.
+int64_t size_in_bytes(const std::string& text, const std::string& label);
 
 /// All that a configuration file may say.
 struct CollectSettings {

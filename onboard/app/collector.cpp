@@ -132,6 +132,12 @@ void Collector::interrupt() {
   publish_status();
 }
 
+void Collector::see_storage(const StorageState& storage) {
+  status_.not_stored = storage.not_stored();
+  if (std::exchange(status_.storage, storage.level) == storage.level || status_.frames == 0) return;
+  publish_status();
+}
+
 void Collector::finish() {
   publish_places(places_.finish());
   CloudSlice slice = flush_volume();

@@ -36,6 +36,8 @@ class Collector {
   /// There are no frames for now: the camera is gone. Says so in a status, each time it is called. The next
   /// frame may show any place: it begins a new segment.
   void interrupt();
+  /// What the log still takes, for the next status; where the level has changed that one comes at once.
+  void see_storage(const StorageState& storage);
 
   /// Publishes what is left in the volume and the last status. Call once, after the last frame.
   void finish();

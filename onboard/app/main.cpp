@@ -39,6 +39,7 @@ class FrameProgress {
   FrameProgress(bool quiet, kt::ServiceNotifier& service) : quiet_(quiet), service_(service) {}
 
   void show(const kt::MissionStatus& status, int64_t frame_count) {
+    if (std::exchange(storage_, status.storage) != status.storage) tell_storage();
     if (quiet_ && !service_.is_connected()) return;
     const int64_t frames = status.frames + status.frames_skipped;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
@@ -47,11 +48,19 @@ class FrameProgress {
     if (quiet_) return;
     line_.show(frame_count > 0 ? static_cast<double>(frames) / static_cast<double>(frame_count) : -1, text);
   }
-  void end() { line_.end(); }
+  void end() {
+    if (!quiet_) line_.end();
+  }
 
  private:
+  void tell_storage() {
+    end();
+    std::fprintf(stderr, "kintsugi-collect: log: %s\n", kt::to_string(storage_));
+  }
+
   const bool quiet_;
   kt::ServiceNotifier& service_;
+  kt::StorageLevel storage_ = kt::StorageLevel::kAll;
   kt::ProgressLine line_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
@@ -101,8 +110,12 @@ void collect(const kt::CollectSettings& settings, bool quiet) {
   const std::time_t now = std::time(nullptr);
   const std::filesystem::path log = kt::unused_dated_path(options.log, now);
   const std::filesystem::path report = kt::unused_dated_path(options.report, now);
-  kt::LogSink sink(
-      log, {.overwrite = options.overwrite, .frames = {.lossless_colour = options.raw_colour == "png"}});
+  kt::LogSink sink(log,
+                   {.overwrite = options.overwrite,
+                    .frames = {.lossless_colour = options.raw_colour == "png"},
+                    .max_file_bytes = kt::size_in_bytes(options.roll, "--roll"),
+                    .reserve_bytes = kt::size_in_bytes(options.reserve, "--reserve")},
+                   {.called = &stop_requested});
   if (!quiet) {
     std::fprintf(stderr, "kintsugi-collect %s: %s (camera %s) -> %s, volume %d voxels of %g m, on %s\n",
                  kt::kProgramVersion, options.input.c_str(), source->calibration().name.c_str(), log.c_str(),
@@ -128,6 +141,10 @@ void collect(const kt::CollectSettings& settings, bool quiet) {
   progress.end();
   if (!quiet) std::cout << kt::mission_report_text(summary);
   if (!report.empty()) kt::write_mission_report(summary, report);
+  if (summary.storage.not_stored() > 0) {
+    throw kt::Error("the disk of the log " + log.string() + " had no room for " +
+                    kt::not_stored_text(summary.storage) + "; all else is stored. Free space there");
+  }
 }
 
 void run(const kt::CommandLine& command_line, const Options& options) {

@@ -70,6 +70,7 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
       ++summary.camera_losses;
       keep_reason(summary.camera_loss_reasons, reason);
     }
+    collector.see_storage(sink.storage());
     collector.interrupt();
     if (options.on_progress) options.on_progress(collector.status(), source.frame_count());
   };
@@ -108,6 +109,7 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
       for (const MotionSample& sample : std::exchange(early_samples, {})) sink.on_motion_sample(sample);
     }
     load.before(item.frame);
+    collector.see_storage(sink.storage());
     stretches.add(collector.process(item.frame).pose);
     load.after(item.arrived);
     if (options.record_raw) sink.on_raw_frame(std::move(item.frame));
@@ -125,6 +127,7 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   }
   if (collector.status().frames > 0) collector.finish();
   sink.close();
+  summary.storage = sink.storage();
   if (failure) std::rethrow_exception(failure);
   summary.status = collector.status();
   summary.frames_dropped = load.dropped();

@@ -39,6 +39,7 @@ struct MissionSummary {
   double peak_memory_mib = 0;
   bool interrupted = false;                   ///< `stop` ended it
   bool timed_out = false;                     ///< no frame came any more
+  StorageState storage;                       ///< what the log did not take
   std::optional<LcmSink::Counts> publishing;  ///< where results were published live
 };
 

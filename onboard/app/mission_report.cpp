@@ -105,6 +105,21 @@ nlohmann::ordered_json to_json(const StageTimes& times) {
 
 }  // namespace
 
+std::string not_stored_text(const StorageState& storage) {
+  std::string text;
+  const auto add = [&text](int64_t count, const char* one, const char* several) {
+    if (count > 0)
+      text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + (count == 1 ? one : several);
+  };
+  add(storage.raw_frames, "raw frame", "raw frames");
+  add(storage.motion_samples, "motion sample", "motion samples");
+  add(storage.keyframes, "keyframe", "keyframes");
+  add(storage.slices, "slice", "slices");
+  add(storage.poses, "pose", "poses");
+  add(storage.others, "other message", "other messages");
+  return text;
+}
+
 std::string mission_progress_text(const MissionStatus& status, int64_t frame_count, double seconds) {
   std::string why;
   const auto add = [&why](const std::string& part) { why += (why.empty() ? "" : ", ") + part; };
@@ -147,6 +162,8 @@ std::string mission_report_text(const MissionSummary& summary) {
   if (more > 0) text += format("  and %lld more, none of them longer\n", static_cast<long long>(more));
   text += format("slices    %lld with %lld vertices, %lld triangles\n", static_cast<long long>(s.slices),
                  static_cast<long long>(s.slice_vertices), static_cast<long long>(s.slice_triangles));
+  if (summary.storage.not_stored() > 0)
+    text += "log       without " + not_stored_text(summary.storage) + ": the disk was low or full\n";
   if (summary.publishing) text += publishing_text(*summary.publishing);
   text += format("%-10s%10s%10s%10s\n", "stage", "p50 ms", "p95 ms", "max ms");
   for (const auto& [stage, times] : summary.stage_times) {
@@ -205,6 +222,11 @@ void write_mission_report(const MissionSummary& summary, const std::filesystem::
       {"interrupted", summary.interrupted},
       {"timed_out", summary.timed_out},
   };
+  if (const StorageState& storage = summary.storage; storage.not_stored() > 0) {
+    report["not_stored"] = {{"raw_frames", storage.raw_frames}, {"motion_samples", storage.motion_samples},
+                            {"keyframes", storage.keyframes},   {"slices", storage.slices},
+                            {"poses", storage.poses},           {"others", storage.others}};
+  }
   if (summary.publishing) report["publishing"] = to_json(*summary.publishing);
   if (summary.camera_losses > 0) {
     report["camera_losses"] = summary.camera_losses;

@@ -16,6 +16,9 @@ std::string mission_progress_text(const MissionStatus& status, int64_t frame_cou
 
 /// A few lines: frames, tracking and its worst stretches, slices, ms per stage, memory. The row "fallback" is
 /// of those whole frames that were not placed by the model and the predicted motion alone.
+/// "12 raw frames, 3 slices": what did not go into the log.
+std::string not_stored_text(const StorageState& storage);
+
 std::string mission_report_text(const MissionSummary& summary);
 
 /// The same as JSON; its fields are listed in the README. Throws kt::Error where the file cannot be written.

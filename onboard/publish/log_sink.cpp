@@ -2,106 +2,158 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/publish/log_sink.h"
 
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "shared/core/check.h"
-#include "shared/wire/codec.h"
 
 namespace kt {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 // A few frames with everything that belongs to them: enough to ride out a slow write, little memory.
 constexpr size_t kQueueCapacity = 32;
 
-// Behind the reach of EdgeKey two places would share a key, and their surfaces weld. The margin is more than
-// any volume's half.
-void check_reach(const CloudSlice& slice) {
-  const double reach_m = (EdgeKey::kLimit - (1 << 15)) * slice.voxel_size_m;
-  if (slice.T_odom_camera.translation().cwiseAbs().maxCoeff() <= reach_m) return;
-  throw Error(
-      "the camera is more than " + std::to_string(static_cast<int64_t>(reach_m)) +
-      " m away from where the mission began, further than voxels of this size can be named: take larger "
-      "voxels (volume.voxel_size_m), or begin a new mission");
-}
+// A signal handler sets a flag and wakes nobody.
+constexpr std::chrono::milliseconds kLookForEnd{50};
 
 }  // namespace
 
-LogSink::LogSink(const std::filesystem::path& path, const Options& options)
-    : writer_(path, options.overwrite),
-      compression_(options.frames),
-      max_slice_triangles_(options.max_slice_triangles),
-      thread_([this] { run(); }) {}
+struct LogSink::Queue {
+  Queue(const std::filesystem::path& path, const Options& options, const End& the_end)
+      : end(the_end), store(path, options) {}
+
+  const End end;
+  LogStore store;  ///< the thread's alone
+
+  std::mutex mutex;  ///< guards what follows
+  std::condition_variable changed;
+  std::deque<LogItem> items;
+  StorageState state;
+  std::optional<Clock::time_point> end_by;
+  bool stopping = false, is_done = false;
+  std::exception_ptr failure;
+
+  void run();
+  void write_next(std::unique_lock<std::mutex>& lock);
+  bool is_late();
+  template <typename Ready>
+  bool wait_for_disk(std::unique_lock<std::mutex>& lock, const Ready& ready);
+};
+
+// Whether the end was called so long ago that nobody waits any more.
+bool LogSink::Queue::is_late() {
+  if (!end_by && end.called && end.called->load()) end_by = Clock::now() + end.patience;
+  return end_by && Clock::now() >= *end_by;
+}
+
+// False where it is too late.
+template <typename Ready>
+bool LogSink::Queue::wait_for_disk(std::unique_lock<std::mutex>& lock, const Ready& ready) {
+  if (!end.called) {
+    changed.wait(lock, ready);
+    return true;
+  }
+  while (!changed.wait_for(lock, kLookForEnd, ready))
+    if (is_late()) return false;
+  return true;
+}
+
+void LogSink::Queue::run() {
+  std::unique_lock lock(mutex);
+  try {
+    while (true) {
+      const auto ready = [this] { return !items.empty() || stopping; };
+      if (const auto due = store.next_sync(); due == Clock::time_point::max()) {
+        changed.wait(lock, ready);
+      } else {
+        changed.wait_until(lock, due, ready);
+      }
+      if (items.empty() && stopping) break;
+      write_next(lock);
+    }
+    lock.unlock();
+    store.close();
+    lock.lock();
+  } catch (...) {
+    if (!lock.owns_lock()) lock.lock();
+    failure = std::current_exception();
+    items.clear();
+  }
+  is_done = true;
+  changed.notify_all();
+}
+
+void LogSink::Queue::write_next(std::unique_lock<std::mutex>& lock) {
+  std::optional<LogItem> item;
+  if (!items.empty()) {
+    item = std::move(items.front());
+    items.pop_front();
+    changed.notify_all();
+  }
+  const bool too_late = is_late();
+  lock.unlock();
+  if (item && too_late) store.drop(*item);
+  if (item && !too_late) store.store(*item);
+  store.sync_if_due();
+  const StorageState now = store.state();
+  lock.lock();
+  state = now;
+}
+
+LogSink::LogSink(const std::filesystem::path& path, const Options& options, const End& end)
+    : queue_(std::make_shared<Queue>(path, options, end)), thread_([queue = queue_] { queue->run(); }) {}
 
 LogSink::~LogSink() { stop(); }
 
-void LogSink::close() {
-  stop();
-  if (failure_) std::rethrow_exception(failure_);
-  writer_.close();
+void LogSink::put(LogItem item) {
+  Queue& queue = *queue_;
+  std::unique_lock lock(queue.mutex);
+  KT_CHECK(!queue.stopping, "the log is closed");
+  // What is put too late is dropped and counted by the thread.
+  queue.wait_for_disk(lock, [&queue] { return queue.items.size() < kQueueCapacity || queue.failure; });
+  if (queue.failure) std::rethrow_exception(queue.failure);
+  queue.items.push_back(std::move(item));
+  queue.changed.notify_all();
 }
 
 void LogSink::stop() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  if (!thread_.joinable()) return;
+  Queue& queue = *queue_;
+  std::unique_lock lock(queue.mutex);
+  queue.stopping = true;
+  queue.changed.notify_all();
+  // Where it is late, the thread still drops what waits, unless a system call holds it.
+  constexpr std::chrono::seconds kForDropping{1};
+  const auto is_done = [&queue] { return queue.is_done; };
+  const bool in_time =
+      queue.wait_for_disk(lock, is_done) || queue.changed.wait_for(lock, kForDropping, is_done);
+  lock.unlock();
+  if (in_time) return thread_.join();
+  thread_.detach();
 }
 
-void LogSink::put(Item item) {
-  std::unique_lock lock(mutex_);
-  KT_CHECK(!stopping_, "the log is closed");
-  changed_.wait(lock, [this] { return queue_.size() < kQueueCapacity || failure_; });
-  if (failure_) std::rethrow_exception(failure_);
-  queue_.push_back(std::move(item));
-  changed_.notify_all();
-}
-
-void LogSink::run() {
-  std::unique_lock lock(mutex_);
-  while (true) {
-    changed_.wait(lock, [this] { return !queue_.empty() || stopping_; });
-    if (queue_.empty()) return;
-    const Item item = std::move(queue_.front());
-    queue_.pop_front();
-    changed_.notify_all();
-    lock.unlock();
-    try {
-      store(item);
-      lock.lock();
-    } catch (...) {
-      lock.lock();
-      failure_ = std::current_exception();
-      queue_.clear();
-      changed_.notify_all();
-      return;
-    }
+void LogSink::close() {
+  stop();
+  Queue& queue = *queue_;
+  const std::unique_lock lock(queue.mutex);
+  if (queue.failure) std::rethrow_exception(queue.failure);
+  if (!queue.is_done) {
+    throw Error("the disk of the log " + queue.store.path().string() +
+                " answers no more: " + std::to_string(queue.items.size() + 1) +
+                " messages were not stored; what was stored before is intact");
   }
 }
 
-void LogSink::store(const Item& item) {
-  const auto write = [this]<typename T>(const T& message) {
-    int64_t& sequence = next_sequence_[message_index<T>()];
-    writer_.write(channel_of<T>(), message.timestamp_us, encode(message, sequence));
-    ++sequence;
-  };
-  std::visit(
-      [&]<typename T>(const T& message) {
-        if constexpr (std::is_same_v<T, RgbdFrame>) {
-          write(compress(message, compression_));
-        } else if constexpr (std::is_same_v<T, CloudSlice>) {
-          check_reach(message);
-          if (message.triangles.size() <= max_slice_triangles_ &&
-              message.vertices.size() <= 3 * max_slice_triangles_) {
-            return write(message);
-          }
-          for (const CloudSlice& part : split_slice(message, max_slice_triangles_)) write(part);
-        } else {
-          write(message);
-        }
-      },
-      item);
+StorageState LogSink::storage() const {
+  const std::lock_guard lock(queue_->mutex);
+  return queue_->state;
 }
 
 }  // namespace kt

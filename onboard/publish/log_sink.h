@@ -2,38 +2,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-#include <condition_variable>
-#include <deque>
-#include <exception>
+#include <atomic>
+#include <chrono>
 #include <filesystem>
-#include <mutex>
+#include <memory>
 #include <thread>
-#include <variant>
 
+#include "onboard/publish/log_store.h"
 #include "onboard/publish/message_sink.h"
-#include "shared/wire/channels.h"
-#include "shared/wire/event_log.h"
-#include "shared/wire/frame_codec.h"
 
 namespace kt {
 
 /// Encoding, image compression and disk writes run on the sink's thread behind a bounded queue: a slow disk
-/// makes the caller wait, it never loses a message. Events stand in the log in call order, whatever the
-/// timing.
+/// makes the caller wait, it never loses a message; a full one does, counted (StoragePolicy). Events stand in
+/// the log in call order, whatever the timing.
 class LogSink final : public MessageSink {
  public:
-  struct Options {
-    bool overwrite = false;     ///< replace an existing log
-    FrameCompression frames{};  ///< of raw frames
-    /// A slice of more triangles, or three times as many vertices, is logged in parts: LCM's own tools play
-    /// no message beyond 256 MiB.
-    size_t max_slice_triangles = 1'900'000;
+  using Options = LogStore::Options;
+  /// Once `called` is set, by a signal handler perhaps, nobody waits for the disk longer than `patience` in
+  /// all; what still waits for it then is dropped and counted.
+  struct End {
+    const std::atomic<bool>* called = nullptr;
+    std::chrono::milliseconds patience{2500};
   };
 
-  /// Creates the log. Throws kt::Error as EventLogWriter does.
-  explicit LogSink(const std::filesystem::path& path) : LogSink(path, Options{}) {}
-  LogSink(const std::filesystem::path& path, const Options& options);
+  /// Creates the log. Throws kt::Error as LogStore does.
+  explicit LogSink(const std::filesystem::path& path) : LogSink(path, Options{}, End{}) {}
+  LogSink(const std::filesystem::path& path, const Options& options) : LogSink(path, options, End{}) {}
+  LogSink(const std::filesystem::path& path, const Options& options, const End& end);
   /// Stores what is queued; an error is dropped, so call close() first.
   ~LogSink() override;
 
@@ -46,27 +42,18 @@ class LogSink final : public MessageSink {
   void on_raw_frame(RgbdFrame frame) override { put(std::move(frame)); }
   void on_motion_sample(MotionSample sample) override { put(std::move(sample)); }
   void on_load(LoadReport load) override { put(load); }
+  /// Throws kt::Error where the disk did not take what it was given, in time or at all; not where it was
+  /// full.
   void close() override;
+  StorageState storage() const override;
 
  private:
-  using Item = std::variant<SessionHeader, StampedPose, CloudSlice, Keyframe, LoopClosure, MissionStatus,
-                            RgbdFrame, MotionSample, LoadReport>;
+  struct Queue;
 
-  void put(Item item);
-  void run();
-  void store(const Item& item);
+  void put(LogItem item);
   void stop();
 
-  EventLogWriter writer_;
-  FrameCompression compression_;
-  size_t max_slice_triangles_;
-  std::array<int64_t, kChannels.size()> next_sequence_{};  ///< used by the thread alone
-
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<Item> queue_;
-  bool stopping_ = false;
-  std::exception_ptr failure_;
+  std::shared_ptr<Queue> queue_;  ///< shared with the thread, which a dead disk may hold for ever
   std::thread thread_;
 };
 

@@ -6,11 +6,12 @@
 #include "shared/types/motion_sample.h"
 #include "shared/types/rgbd_frame.h"
 #include "shared/types/session.h"
+#include "shared/types/storage_state.h"
 
 namespace kt {
 
 /// Calls come from one thread, on_session first, close last. An error may surface at any later call than its
-/// cause, as a kt::Error, and surfaces again at close().
+/// cause, as a kt::Error, and surfaces again at close(). A full disk is none: storage() tells it.
 class MessageSink {
  public:
   virtual ~MessageSink() = default;
@@ -23,6 +24,8 @@ class MessageSink {
   virtual void on_raw_frame(RgbdFrame frame) = 0;
   virtual void on_motion_sample(MotionSample sample) = 0;
   virtual void on_load(LoadReport load) = 0;
+  /// What of the above still goes into a log, and what has not; from any thread.
+  virtual StorageState storage() const { return {}; }
   /// Returns once all that was handed over is stored; throws the error that prevented it.
   virtual void close() = 0;
 };

@@ -44,6 +44,7 @@ class TeeSink final : public MessageSink {
     log_.on_load(load);
     live_.on_load(load);
   }
+  StorageState storage() const override { return log_.storage(); }
   /// The log first: it must be whole even where `live` takes its time.
   void close() override {
     log_.close();

@@ -13,7 +13,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLongestSilence{2000}, kFirstPatience{500}, kMostPatience{8000}, kReport{1000};
+constexpr milliseconds kLongestSilence{2000}, kLongestCall{200}, kFirstPatience{500}, kMostPatience{8000},
+    kReport{1000};
 
 // A gap in a counter that is longer is another numbering.
 constexpr int64_t kMostDropped = 100'000;
@@ -63,11 +64,14 @@ SourceItem CameraSource::next() {
 
 void CameraSource::read() {
   try {
-    CameraEvent event = camera_->read(kLongestSilence);
+    CameraEvent event = camera_->read(kLongestCall);
+    silence_ = event.kind == CameraEvent::Kind::kNothing ? silence_ + kLongestCall : milliseconds(0);
     if (event.kind == CameraEvent::Kind::kEnd) {
       end({});
-    } else if (event.kind != CameraEvent::Kind::kNothing) {
+    } else if (silence_.count() == 0) {
       take(std::move(event));
+    } else if (silence_ < kLongestSilence) {
+      ready_.push_back({.kind = SourceItem::Kind::kNothingYet});
     } else {
       lose("no image for " + std::to_string(kLongestSilence.count() / 1000) + " s");
     }
@@ -133,19 +137,22 @@ void CameraSource::skip(int64_t count, const std::string& reason) {
 void CameraSource::lose(const std::string& reason) {
   while (auto item = pairing_.next_at_end()) ready_.push_back(std::move(*item));
   camera_.reset();
+  silence_ = milliseconds(0);
   if (info_.is_recording) return end(reason);
   pairing_ = FramePairing(info_);
   stamps_.interrupt();
   last_counter_.reset();
   gone_because_ = reason;
   patience_ = until_next_try_ = kFirstPatience;
+  until_report_ = kReport;
   ready_.push_back({.kind = SourceItem::Kind::kInterrupted, .reason = info_.name + ": " + reason});
 }
 
 void CameraSource::try_again() {
-  const milliseconds time = std::min(until_next_try_, kReport);
+  const milliseconds time = std::min({until_next_try_, until_report_, kLongestCall});
   clock_.wait(time);
   until_next_try_ -= time;
+  until_report_ -= time;
   if (until_next_try_.count() == 0) {
     try {
       camera_ = open_();
@@ -153,8 +160,14 @@ void CameraSource::try_again() {
     } catch (const Error& error) {
       gone_because_ = error.what();
       until_next_try_ = patience_ = std::min(2 * patience_, kMostPatience);
+      until_report_ = milliseconds(0);
     }
   }
+  if (until_report_.count() > 0) {
+    ready_.push_back({.kind = SourceItem::Kind::kNothingYet});
+    return;
+  }
+  until_report_ = kReport;
   ready_.push_back({.kind = SourceItem::Kind::kInterrupted, .reason = info_.name + ": " + gone_because_});
 }
 

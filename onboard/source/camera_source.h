@@ -22,7 +22,8 @@ struct CameraClock {
 
 /// A live camera that is unplugged, or gives no image for 2 s, is closed and opened again, after 0.5 s first
 /// and after twice as long each time, 8 s at most. Meanwhile next() says kInterrupted, at once and then every
-/// second. The mission's stamps are those of StampClock. A recording has stamps of its own, and an end.
+/// second. It never takes much longer than 0.2 s. The mission's stamps are those of StampClock. A recording
+/// has stamps of its own, and an end.
 class CameraSource final : public FrameSource {
  public:
   /// Opens the camera. Throws kt::Error where it cannot be opened this first time.
@@ -53,8 +54,9 @@ class CameraSource final : public FrameSource {
   std::optional<int64_t> last_counter_;  ///< of the depth stream
   int64_t depth_images_ = 0;             ///< read and dropped
   std::deque<SourceItem> ready_;
+  std::chrono::milliseconds silence_{0};  ///< since the last image
   bool is_at_end_ = false;
-  std::chrono::milliseconds patience_{0}, until_next_try_{0};  ///< while it is gone
+  std::chrono::milliseconds patience_{0}, until_next_try_{0}, until_report_{0};  ///< while it is gone
   std::string gone_because_;
 };
 

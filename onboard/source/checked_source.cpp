@@ -3,6 +3,7 @@
 #include "onboard/source/checked_source.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <iterator>
 #include <utility>
 
@@ -15,6 +16,12 @@ namespace {
 
 // A pause longer than this is not believed before the next frame: a wrong stamp costs itself and no more.
 constexpr int64_t kMaxJump_us = 10'000'000;
+
+// Frames that lie less far back are late, or stamped by chance; a clock that is set back is set back by more.
+constexpr int64_t kLeastSetBack_us = 1'000'000;
+
+// From the last frame before a clock was set back to the first one after it, for want of knowledge.
+constexpr int64_t kUnknownPause_us = 1'000'000;
 
 // While a live source has no frames: minutes of an inertial unit's samples, more than the tracking keeps.
 constexpr size_t kMaxWaitingSamples = 50'000;
@@ -54,9 +61,10 @@ SourceItem CheckedSource::next() {
       case SourceItem::Kind::kNothingYet:
         return item;
       case SourceItem::Kind::kFrame:
-        judge_stamp(std::move(item.frame));
+        judge_clock(std::move(item.frame));
         break;
       case SourceItem::Kind::kMotion:
+        item.motion.timestamp_us += clock_offset_us_;
         keep_sample(item.motion);
         break;
       case SourceItem::Kind::kInterrupted:
@@ -75,7 +83,7 @@ SourceItem CheckedSource::next() {
 }
 
 void CheckedSource::keep_sample(const MotionSample& sample) {
-  std::deque<MotionSample>& samples = held_ ? samples_behind_held_ : samples_;
+  std::deque<MotionSample>& samples = held_ || set_back_ ? samples_behind_held_ : samples_;
   samples.push_back(sample);
   if (samples.size() <= kMaxWaitingSamples) return;
   ready_.push_back({.kind = SourceItem::Kind::kSkippedMotion,
@@ -95,6 +103,16 @@ SourceItem CheckedSource::read() {
   if (const std::string problem = image_problem(item.frame); !problem.empty())
     return skipped(item.frame, problem);
   return item;
+}
+
+void CheckedSource::judge_clock(RgbdFrame frame) {
+  if (std::max(frame.timestamp_us, frame.colour_timestamp_us) > kMaxTimestamp_us - clock_offset_us_) {
+    ready_.push_back(skipped(frame, "its stamp is beyond all time"));
+    return;
+  }
+  frame.timestamp_us += clock_offset_us_;
+  frame.colour_timestamp_us += clock_offset_us_;
+  if (!judge_set_back(frame)) judge_stamp(std::move(frame));
 }
 
 void CheckedSource::judge_stamp(RgbdFrame frame) {
@@ -119,7 +137,62 @@ void CheckedSource::judge_stamp(RgbdFrame frame) {
   }
 }
 
+// Whether a frame that lies far back, or the one behind it, is dealt with.
+bool CheckedSource::judge_set_back(RgbdFrame& frame) {
+  const int64_t stamp_us = frame.timestamp_us;
+  if (set_back_ && stamp_us > set_back_->timestamp_us && stamp_us <= set_back_->timestamp_us + kMaxJump_us &&
+      stamp_us <= *last_us_ && *last_us_ <= kMaxTimestamp_us - kMaxJump_us - kUnknownPause_us) {
+    const int64_t before_us = clock_offset_us_;
+    set_back_clock();
+    frame.timestamp_us += clock_offset_us_ - before_us;
+    frame.colour_timestamp_us += clock_offset_us_ - before_us;
+    return false;
+  }
+  skip_set_back();
+  if (!last_us_ || stamp_us >= *last_us_ - kLeastSetBack_us) return false;
+  set_back_ = std::move(frame);
+  return true;
+}
+
+// The frame that waits is right: what follows is of another clock.
+void CheckedSource::set_back_clock() {
+  RgbdFrame first = *std::exchange(set_back_, std::nullopt);
+  if (held_) ready_.push_back(skipped(*std::exchange(held_, std::nullopt), "its stamp is wrong"));
+  const int64_t last_us = *last_us_, first_us = first.timestamp_us;
+  const int64_t step_us = last_us + kUnknownPause_us - first_us;
+  clock_offset_us_ += step_us;
+  std::deque<MotionSample> waiting = std::exchange(samples_, {}),
+                           behind = std::exchange(samples_behind_held_, {});
+  std::move(behind.begin(), behind.end(), std::back_inserter(waiting));
+  std::deque<MotionSample> before_first, after_first;  // and in samples_ those of the old clock
+  for (MotionSample& sample : waiting) {
+    const bool is_old = std::abs(sample.timestamp_us - last_us) < std::abs(sample.timestamp_us - first_us);
+    const bool is_after = sample.timestamp_us > first_us;
+    if (!is_old) sample.timestamp_us += step_us;
+    (is_old ? samples_ : is_after ? after_first : before_first).push_back(sample);
+  }
+  release_samples(last_us + kUnknownPause_us);
+  ready_.push_back({.kind = SourceItem::Kind::kInterrupted,
+                    .reason = "the clock of the frames was set back, from " + seconds(last_us) + " to " +
+                              seconds(first_us)});
+  samples_ = std::move(before_first);
+  first.timestamp_us += step_us;
+  first.colour_timestamp_us += step_us;
+  accept(std::move(first));
+  samples_ = std::move(after_first);
+}
+
+void CheckedSource::skip_set_back() {
+  if (!set_back_) return;
+  ready_.push_back(skipped(*std::exchange(set_back_, std::nullopt),
+                           "its stamp is not after the last frame's, " + seconds(*last_us_)));
+  if (held_) return;
+  std::move(samples_behind_held_.begin(), samples_behind_held_.end(), std::back_inserter(samples_));
+  samples_behind_held_.clear();
+}
+
 void CheckedSource::release_last() {
+  skip_set_back();
   if (held_ && last_us_) {
     ready_.push_back(skipped(
         *held_, "no frame behind it confirms its stamp, far from the last frame's, " + seconds(*last_us_)));

@@ -20,6 +20,11 @@ namespace kt {
 /// frame, not all that follow; a real pause costs none but where the recording ends with it. What is skipped
 /// meanwhile is told before the waiting frame.
 ///
+/// Where the clock of the frames is set back by more than 1 s, the time goes on all the same: a frame that
+/// lies so far back waits for the next too, and where that one goes on from it, both pass, in a time that
+/// goes on 1 s behind the last frame's, behind the word kInterrupted: nobody knows how long it was. Else the
+/// waiting frame is skipped.
+///
 /// Where the camera is gone, what waits is decided on as at the end, and told before the word of it.
 ///
 /// Motion samples keep their place among the frames, so they wait for the next frame that passes. Skipped are
@@ -44,7 +49,11 @@ class CheckedSource final : public FrameSource {
   /// The source's next item with its images checked.
   SourceItem read();
   std::string image_problem(const RgbdFrame& frame) const;
+  void judge_clock(RgbdFrame frame);
   void judge_stamp(RgbdFrame frame);
+  bool judge_set_back(RgbdFrame& frame);
+  void set_back_clock();
+  void skip_set_back();
   void keep_sample(const MotionSample& sample);
   /// Decides on what waits at the end.
   void release_last();
@@ -56,9 +65,11 @@ class CheckedSource final : public FrameSource {
   std::unique_ptr<FrameSource> source_;
   Calibration calibration_;
   int64_t delivered_ = 0;
-  std::optional<int64_t> last_us_;    ///< stamp of the last frame that passed
-  std::optional<RgbdFrame> held_;     ///< waits for the next frame to confirm its stamp
-  std::deque<MotionSample> samples_;  ///< read since the last frame that passed, before held_
+  std::optional<int64_t> last_us_;     ///< stamp of the last frame that passed
+  std::optional<RgbdFrame> held_;      ///< waits for the next frame to confirm its stamp
+  std::optional<RgbdFrame> set_back_;  ///< the same, of one that lies before the last
+  int64_t clock_offset_us_ = 0;        ///< of the mission's time to the frames' clock
+  std::deque<MotionSample> samples_;   ///< read since the last frame that passed, before held_ and set_back_
   std::deque<MotionSample> samples_behind_held_;
   int64_t delivered_samples_ = 0;
   std::optional<MotionSample> last_sample_;  ///< that passed

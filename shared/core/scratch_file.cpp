@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
 
@@ -37,6 +38,11 @@ ScratchFile::ScratchFile(std::filesystem::path path, std::string holds)
     : path_(std::move(path)), holds_(std::move(holds)) {
   file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file_ < 0) fail(path_, "cannot be made", holds_);
+  struct stat status {};
+  if (fstat(file_, &status) == 0 && S_ISREG(status.st_mode)) return;
+  close(file_);
+  errno = EEXIST;
+  fail(path_, "is no file", holds_);
 }
 
 ScratchFile::~ScratchFile() {

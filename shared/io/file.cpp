@@ -22,7 +22,29 @@ using File = std::unique_ptr<std::FILE, Closer>;
   throw Error(path.string() + ": " + what);
 }
 
+// Or nothing, or a link to either: for root may remove devices, and lose them for everybody.
+void check_is_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    fail(path, "is no file: it is neither removed nor replaced");
+}
+
 }  // namespace
+
+void remove_file(const std::filesystem::path& path) {
+  check_is_file(path);
+  std::error_code error;
+  std::filesystem::remove(path, error);
+  if (error) fail(path, "cannot be removed: " + error.message());
+}
+
+void rename_file(const std::filesystem::path& from, const std::filesystem::path& to) {
+  check_is_file(to);
+  std::error_code error;
+  std::filesystem::rename(from, to, error);
+  if (error) fail(to, "cannot be written: " + error.message());
+}
 
 std::string read_file(const std::filesystem::path& path, size_t limit) {
   std::error_code ignored;

@@ -20,8 +20,16 @@ std::string read_file(const std::filesystem::path& path, size_t limit = size_t{1
 /// disk), and leaves no part of it then.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
-/// A file that is written piece by piece. Throws kt::Error as write_file; unless it is closed, no part of it
-/// is left.
+/// Removes a file, or a link to one; no file there is fine. Throws kt::Error where something else is there (a
+/// device, a pipe, a folder), which stays, or where it cannot be removed.
+void remove_file(const std::filesystem::path& path);
+
+/// Gives the file `from` the name `to`; a file or link that stands there is replaced. Throws kt::Error as
+/// remove_file.
+void rename_file(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// A file that is written piece by piece. A device or a pipe is written straight through. Throws kt::Error as
+/// write_file; unless it is closed, no part of it is left.
 class OutputFile {
  public:
   /// Replaces the file.

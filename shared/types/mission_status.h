@@ -7,10 +7,12 @@
 
 #include "shared/core/vec.h"
 #include "shared/types/stamped_pose.h"
+#include "shared/types/storage_state.h"
 
 namespace kt {
 
-/// What is logged depends neither on the clock nor on the machine, so that equal missions give equal logs.
+/// What is logged depends neither on the clock nor on the machine, so that equal missions give equal logs
+/// where the disk has room for them.
 struct MissionStatus {
   int64_t sequence = 0;      ///< counts status messages
   int64_t timestamp_us = 0;  ///< of the last frame
@@ -30,6 +32,9 @@ struct MissionStatus {
   double inlier_share = 0;
   /// Of the hottest part of the computer, where results are published live; 0: not told, as in every log.
   int temperature_c = 0;
+  // Of the log, before this message:
+  StorageLevel storage = StorageLevel::kAll;
+  int64_t not_stored = 0;  ///< messages, for want of room
 };
 
 }  // namespace kt

@@ -33,6 +33,7 @@ struct LogIntegrity {
   int64_t damaged_events = 0;    ///< wrong length, type or checksum: skipped
   int64_t skipped_bytes = 0;     ///< between events, while looking for the next sync word
   int64_t missing_messages = 0;  ///< gaps in the sequence numbers of the channels
+  int64_t missing_parts = 0;     ///< gaps in the numbers of the files of a log that was rolled
   bool truncated = false;        ///< the file ends inside an event
   bool session_missing = false;  ///< messages of ours, but no session event
   /// Poses, but no slice that is final: the mission was cut short, and what its volume held is lost.
@@ -40,8 +41,8 @@ struct LogIntegrity {
 
   /// Whether nothing is missing or damaged.
   bool is_sound() const {
-    return damaged_events == 0 && skipped_bytes == 0 && missing_messages == 0 && !truncated &&
-           !session_missing && !final_slice_missing;
+    return damaged_events == 0 && skipped_bytes == 0 && missing_messages == 0 && missing_parts == 0 &&
+           !truncated && !session_missing && !final_slice_missing;
   }
 };
 

@@ -23,7 +23,7 @@ namespace {
 const MessageLayout kSessionLayout{.fixed_bytes = 420, .strings = 3};
 const MessageLayout kPoseLayout{.fixed_bytes = 348};
 const MessageLayout kSliceLayout{.fixed_bytes = 153, .arrays = {{145, 43}, {149, 12}}};
-const MessageLayout kStatusLayout{.fixed_bytes = 189};
+const MessageLayout kStatusLayout{.fixed_bytes = 198};
 const MessageLayout kFrameLayout{.fixed_bytes = 52, .arrays = {{44, 1}, {48, 1}}};
 const MessageLayout kMotionLayout{.fixed_bytes = 198};
 const MessageLayout kLoadLayout{.fixed_bytes = 165};
@@ -56,6 +56,14 @@ bool has_valid_checksum(std::span<const uint8_t> bytes) {
 MessageStamp stamp_of(std::span<const uint8_t> bytes) {
   KT_CHECK(bytes.size() >= kHeaderEnd);
   return {load_int64(bytes.data() + kSequenceOffset), load_int64(bytes.data() + kTimestampOffset)};
+}
+
+std::vector<uint8_t> content_of(std::span<const uint8_t> bytes) {
+  KT_CHECK(bytes.size() >= kHeaderEnd);
+  std::vector<uint8_t> content(bytes.begin(), bytes.end());
+  std::fill_n(content.begin() + kSequenceOffset, kTimestampOffset - kSequenceOffset, uint8_t{0});
+  std::fill_n(content.begin() + kChecksumOffset, kHeaderEnd - kChecksumOffset, uint8_t{0});
+  return content;
 }
 
 std::vector<uint8_t> encode(const SessionHeader& session, int64_t message_sequence) {
@@ -223,6 +231,8 @@ std::vector<uint8_t> encode(const MissionStatus& status, int64_t message_sequenc
   message.source = static_cast<int8_t>(status.source);
   message.cause = static_cast<int8_t>(status.cause);
   message.temperature_c = static_cast<int16_t>(status.temperature_c);
+  message.storage = static_cast<int8_t>(status.storage);
+  message.not_stored = status.not_stored;
   return seal(message, kStatusLayout, message_sequence, status.timestamp_us);
 }
 
@@ -252,6 +262,8 @@ DecodeStatus decode(std::span<const uint8_t> bytes, MissionStatus& status) {
   value.source = static_cast<PoseSource>(message.source);
   value.cause = static_cast<TrackingCause>(message.cause);
   value.temperature_c = message.temperature_c;
+  value.storage = static_cast<StorageLevel>(message.storage);
+  value.not_stored = message.not_stored;
   return accept(std::move(value), status);
 }
 

@@ -63,5 +63,7 @@ struct MessageStamp {
 bool has_valid_checksum(std::span<const uint8_t> bytes);
 /// The stamp of a message whose checksum holds or that decode took.
 MessageStamp stamp_of(std::span<const uint8_t> bytes);
+/// All of such a message but its sequence number and checksum: what makes it the same message again.
+std::vector<uint8_t> content_of(std::span<const uint8_t> bytes);
 
 }  // namespace kt

@@ -26,20 +26,27 @@ std::string reason(int error_number) { return std::generic_category().message(er
 
 }  // namespace
 
-EventLogReader::EventLogReader(const std::filesystem::path& path) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw Error("the log " + path.string() + " does not exist");
-  if (!std::filesystem::is_regular_file(status))
-    throw Error(path.string() + " is not a file: name an LCM log");
-  const auto size = std::filesystem::file_size(path, error);
-  std::FILE* file = std::fopen(path.c_str(), "rb");
-  if (file == nullptr || error) {
-    throw Error("cannot read the log " + path.string() + ": " + (error ? error.message() : reason(errno)));
+EventLogReader::EventLogReader(const std::filesystem::path& path) : EventLogReader({&path, 1}) {}
+
+EventLogReader::EventLogReader(std::span<const std::filesystem::path> paths) {
+  KT_CHECK(!paths.empty());
+  for (const std::filesystem::path& path : paths) {
+    std::error_code error;
+    const std::filesystem::file_status status = std::filesystem::status(path, error);
+    if (!std::filesystem::exists(status)) throw Error("the log " + path.string() + " does not exist");
+    if (!std::filesystem::is_regular_file(status))
+      throw Error(path.string() + " is not a file: name an LCM log");
+    const auto size = std::filesystem::file_size(path, error);
+    std::FILE* file = std::fopen(path.c_str(), "rb");
+    if (file == nullptr || error) {
+      throw Error("cannot read the log " + path.string() + ": " + (error ? error.message() : reason(errno)));
+    }
+    // A log that is still being written may be read; the lock only keeps writers from overwriting it
+    // meanwhile.
+    [[maybe_unused]] const int ignored = ::flock(::fileno(file), LOCK_SH | LOCK_NB);
+    add_file(file, static_cast<int64_t>(size));
   }
-  // A log that is still being written may be read; the lock only keeps writers from overwriting it meanwhile.
-  [[maybe_unused]] const int ignored = ::flock(::fileno(file), LOCK_SH | LOCK_NB);
-  open(file, static_cast<int64_t>(size), path.string());
+  check_is_log(paths.front().string());
 }
 
 EventLogReader::EventLogReader(std::span<const uint8_t> bytes, const std::string& name) {
@@ -47,12 +54,17 @@ EventLogReader::EventLogReader(std::span<const uint8_t> bytes, const std::string
   std::FILE* file =
       bytes.empty() ? nullptr : ::fmemopen(const_cast<uint8_t*>(bytes.data()), bytes.size(), "rb");
   KT_CHECK(bytes.empty() || file != nullptr);
-  open(file, static_cast<int64_t>(bytes.size()), name);
+  if (file != nullptr) add_file(file, static_cast<int64_t>(bytes.size()));
+  check_is_log(name);
 }
 
-void EventLogReader::open(std::FILE* file, int64_t size, const std::string& name) {
-  file_.reset(file);
-  size_ = size;
+void EventLogReader::add_file(std::FILE* file, int64_t size) {
+  files_.emplace_back().file.reset(file);
+  files_.back().begin = files_.back().position = size_;
+  files_.back().end = size_ += size;
+}
+
+void EventLogReader::check_is_log(const std::string& name) {
   if (size_ == 0 || header_at(0)) return;
   uint8_t start[sizeof(kSyncBytes)];
   const size_t got = read_at(0, start, sizeof(start));
@@ -63,11 +75,20 @@ void EventLogReader::open(std::FILE* file, int64_t size, const std::string& name
 }
 
 size_t EventLogReader::read_at(int64_t position, void* bytes, size_t size) {
-  if (position != file_position_ && ::fseeko(file_.get(), static_cast<off_t>(position), SEEK_SET) != 0)
-    return 0;
-  const size_t got = std::fread(bytes, 1, size, file_.get());
-  file_position_ = position + static_cast<int64_t>(got);
-  return got;
+  size_t done = 0;
+  for (File& file : files_) {
+    const int64_t at = position + static_cast<int64_t>(done);
+    if (done == size || at >= file.end || at < file.begin) continue;
+    const auto wanted =
+        static_cast<size_t>(std::min<int64_t>(static_cast<int64_t>(size - done), file.end - at));
+    if (at != file.position && ::fseeko(file.file.get(), static_cast<off_t>(at - file.begin), SEEK_SET) != 0)
+      break;
+    const size_t got = std::fread(static_cast<char*>(bytes) + done, 1, wanted, file.file.get());
+    file.position = at + static_cast<int64_t>(got);
+    done += got;
+    if (got != wanted) break;
+  }
+  return done;
 }
 
 std::optional<EventLogReader::EventHeader> EventLogReader::header_at(int64_t position) {

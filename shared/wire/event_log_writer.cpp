@@ -20,6 +20,19 @@ namespace {
 
 std::string reason(int error_number) { return std::generic_category().message(error_number); }
 
+bool is_full(int error_number) {
+  return error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
+}
+
+// So that a new file's name survives a loss of power; where a file system cannot do that, nor can we.
+void sync_folder(const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
 // Writes every byte of `parts`, in one system call unless the system takes them piecemeal; false with errno
 // set.
 bool write_all(int file, std::span<iovec> parts) {
@@ -55,8 +68,9 @@ EventLogWriter::EventLogWriter(std::filesystem::path path, bool overwrite) : pat
     file_ = ::open(path_.c_str(), kFlags, 0666);
   }
   if (file_ < 0) {
-    throw Error("cannot create the log " + path_.string() + ": " + reason(errno) +
-                "; its folder must exist and be writable");
+    const std::string problem = "cannot create the log " + path_.string() + ": " + reason(errno);
+    if (is_full(errno)) throw DiskFullError(problem);
+    throw Error(problem + "; its folder must exist and be writable");
   }
   // A device may be shared. Where the file system knows no locks, the log is written without one.
   if (std::filesystem::is_regular_file(path_, ignored) && ::flock(file_, LOCK_EX | LOCK_NB) != 0 &&
@@ -71,6 +85,10 @@ EventLogWriter::~EventLogWriter() {
   if (file_ < 0) return;
   remove_if_unused();
   ::close(file_);
+}
+
+int64_t EventLogWriter::event_bytes(std::string_view channel, std::span<const uint8_t> data) {
+  return static_cast<int64_t>(kEventHeaderBytes + channel.size() + data.size());
 }
 
 void EventLogWriter::write(std::string_view channel, int64_t timestamp_us, std::span<const uint8_t> data) {
@@ -90,15 +108,18 @@ void EventLogWriter::write(std::string_view channel, int64_t timestamp_us, std::
                    {const_cast<uint8_t*>(data.data()), data.size()}};
   if (!write_all(file_, parts)) fail(errno);
   ++event_count_;
-  byte_count_ += static_cast<int64_t>(sizeof(header) + channel.size() + data.size());
+  byte_count_ += event_bytes(channel, data);
 }
 
 void EventLogWriter::fail(int error_number) {
-  // Cut off a half-written event; where that cannot be done (a device) readers skip it.
-  [[maybe_unused]] const int ignored = ::ftruncate(file_, byte_count_);
-  failure_ = "cannot write to the log " + path_.string() + ": " + reason(error_number) + "; the " +
-             std::to_string(event_count_) +
-             " events written before are intact. Free space or name a file on another disk";
+  // Cut off a half-written event, and go on where it began; where that cannot be done (a device) readers skip
+  // it.
+  const bool is_cut = ::ftruncate(file_, byte_count_) == 0 && ::lseek(file_, byte_count_, SEEK_SET) >= 0;
+  const std::string problem = "cannot write to the log " + path_.string() + ": " + reason(error_number) +
+                              "; the " + std::to_string(event_count_) +
+                              " events written before are intact. Free space or name a file on another disk";
+  if (is_full(error_number) && (is_cut || errno == EINVAL)) throw DiskFullError(problem);
+  failure_ = problem;
   throw Error(failure_);
 }
 
@@ -106,12 +127,22 @@ void EventLogWriter::remove_if_unused() const {
   if (is_new_ && event_count_ == 0) ::unlink(path_.c_str());
 }
 
+int EventLogWriter::sync_error() {
+  if (!std::exchange(is_name_synced_, true) && is_new_) sync_folder(path_);
+  const int error = ::fdatasync(file_) == 0 ? 0 : errno;
+  return error == EINVAL || error == EROFS ? 0 : error;  // a device or a pipe has nothing to sync
+}
+
+void EventLogWriter::sync() {
+  KT_CHECK(file_ >= 0, "the log is closed");
+  if (const int error = sync_error(); error != 0) fail(error);
+}
+
 void EventLogWriter::close() {
   if (file_ < 0) return;
   remove_if_unused();
+  int error = sync_error();
   const int file = std::exchange(file_, -1);
-  int error = ::fdatasync(file) == 0 ? 0 : errno;
-  if (error == EINVAL || error == EROFS) error = 0;  // a device or a pipe, which has nothing to sync
   if (::close(file) != 0 && errno != EINTR && error == 0) error = errno;
   if (error != 0) {
     throw Error("cannot finish the log " + path_.string() + ": " + reason(error) +

@@ -26,6 +26,19 @@ DecodeStatus decode_channel(size_t channel, std::span<const uint8_t> bytes, Mess
 
 MessageReader::MessageReader(EventLogReader events) : events_(std::move(events)) {}
 
+MessageReader::MessageReader(const LogParts& parts)
+    : events_(parts.paths), parts_(static_cast<int64_t>(parts.paths.size())), missing_parts_(parts.missing) {}
+
+// Sessions that are alike by chance, of two missions one behind the other, are both numbered 0.
+bool MessageReader::repeats_session(std::span<const uint8_t> bytes) {
+  std::vector<uint8_t> content = content_of(bytes);
+  if (session_.empty())
+    session_ = std::move(content);
+  else if (stamp_of(bytes).sequence > 0)
+    return content == session_;
+  return false;
+}
+
 void check_format_version(const SessionHeader& header, const std::string& name) {
   if (header.format_version > SessionHeader::kFormatVersion) {
     throw Error(name + " has log format " + std::to_string(header.format_version) + " (written by Kintsugi " +
@@ -68,6 +81,7 @@ std::optional<Message> MessageReader::next() {
     }
     expected = stamp.sequence == INT64_MAX ? INT64_MAX : stamp.sequence + 1;
     if (skipped_[channel]) continue;
+    if (channel == message_index<SessionHeader>() && repeats_session(event->data)) continue;
     if (const auto* slice = std::get_if<CloudSlice>(&message)) final_slice_seen_ |= slice->is_final;
     return message;
   }
@@ -77,6 +91,7 @@ std::optional<Message> MessageReader::next() {
 LogIntegrity MessageReader::integrity() const {
   LogIntegrity integrity = events_.integrity();
   integrity.unknown_events = unknown_events_;
+  integrity.missing_parts = missing_parts_;
   int64_t messages = 0;
   for (const ChannelCount& count : channels_) {
     integrity.missing_messages += std::min(count.missing, INT64_MAX - integrity.missing_messages);

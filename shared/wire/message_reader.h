@@ -9,13 +9,16 @@
 
 #include "shared/wire/channels.h"
 #include "shared/wire/event_log.h"
+#include "shared/wire/log_parts.h"
 
 namespace kt {
 
 class MessageReader {
  public:
-  /// Throws kt::Error as EventLogReader does.
-  explicit MessageReader(const std::filesystem::path& path) : MessageReader(EventLogReader(path)) {}
+  /// Reads the log `path` and the parts behind it (log_parts) as one. Throws kt::Error as EventLogReader
+  /// does.
+  explicit MessageReader(const std::filesystem::path& path) : MessageReader(log_parts(path)) {}
+  explicit MessageReader(const LogParts& parts);
   explicit MessageReader(EventLogReader events);
 
   /// Leaves out the messages of type T from now on: checked and counted, but neither decoded nor returned.
@@ -24,7 +27,8 @@ class MessageReader {
     skipped_[message_index<T>()] = true;
   }
 
-  /// The next intact message, or nothing at the end. Damaged and unknown events are counted and passed over.
+  /// The next intact message, or nothing at the end. Damaged and unknown events are counted and passed over;
+  /// the session that a later part repeats is counted only.
   std::optional<Message> next();
 
   /// As EventLogReader's: where the message last returned begins, and to go on elsewhere.
@@ -47,9 +51,15 @@ class MessageReader {
   /// Bytes read so far, and in all: for progress.
   int64_t position() const { return events_.position(); }
   int64_t size() const { return events_.size(); }
+  /// Files that the log consists of.
+  int64_t parts() const { return parts_; }
 
  private:
+  bool repeats_session(std::span<const uint8_t> bytes);
+
   EventLogReader events_;
+  int64_t parts_ = 1, missing_parts_ = 0;
+  std::vector<uint8_t> session_;  ///< content of the first
   int64_t unknown_events_ = 0;
   bool final_slice_seen_ = false;
   std::array<bool, kChannels.size()> skipped_{};

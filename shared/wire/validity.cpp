@@ -153,6 +153,7 @@ DecodeStatus validity(const MissionStatus& status) {
       is_count(status.slice_triangles) && is_temperature(status.temperature_c) &&
       is_segment(status.segment) && status.segments >= 0 && status.tracking <= TrackingStatus::kLost &&
       is_source(status.source) && is_cause(status.cause) &&
+      static_cast<uint8_t>(status.storage) < kStorageLevels && is_count(status.not_stored) &&
       std::all_of(status.frames_by_source.begin(), status.frames_by_source.end(), is_count);
   if (!std::isfinite(status.inlier_share)) return kNotFinite;
   return sane ? kOk : kOutOfRange;

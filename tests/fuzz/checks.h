@@ -66,7 +66,9 @@ inline int64_t read_log(std::span<const uint8_t> bytes) {
       if (const auto* frame = std::get_if<CompressedFrame>(&*message)) try_to_decompress(*frame);
     }
     const LogIntegrity integrity = reader.integrity();
-    require(integrity.events == messages + integrity.unknown_events, "events do not add up");
+    int64_t events = integrity.unknown_events;
+    for (const auto& channel : reader.channels()) events += channel.messages;
+    require(integrity.events == events && messages <= events, "events do not add up");
     require(integrity.skipped_bytes >= 0 && integrity.skipped_bytes <= static_cast<int64_t>(bytes.size()),
             "more bytes skipped than there are");
   } catch (const Error&) {

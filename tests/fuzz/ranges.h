@@ -91,7 +91,9 @@ inline bool hold(const MissionStatus& status) {
          hold(status.slice_triangles) && status.segment >= 0 && status.segments >= 0 &&
          static_cast<int>(status.tracking) <= 2 && static_cast<int>(status.source) < 7 &&
          static_cast<int>(status.cause) < 8 && std::isfinite(status.inlier_share) &&
-         status.temperature_c >= -100 && status.temperature_c <= 300;
+         status.temperature_c >= -100 && status.temperature_c <= 300 &&
+         static_cast<int>(status.storage) >= 0 && static_cast<int>(status.storage) < 4 &&
+         hold(status.not_stored);
 }
 inline bool hold(const CompressedFrame& frame) {
   return hold(frame.sequence) && is_stamp(frame.timestamp_us) && is_stamp(frame.colour_timestamp_us) &&

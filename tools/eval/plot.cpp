@@ -11,6 +11,7 @@
 #include <string>
 
 #include "shared/core/check.h"
+#include "shared/io/file.h"
 #include "shared/io/number_text.h"
 
 namespace kt {
@@ -33,11 +34,11 @@ void run_gnuplot(const std::string& script, const std::filesystem::path& png) {
   for (const char c : png.string()) quoted += c == '\'' ? std::string("''") : std::string(1, c);
   const std::string text =
       "set terminal pngcairo size 1200,900 font ',11'\nset output '" + quoted + "'\nset grid\n" + script;
-  std::error_code ignored;
-  std::filesystem::remove(png, ignored);  // so that what stands there afterwards is new
+  remove_file(png);  // so that what stands there afterwards is new
   std::FILE* pipe = popen("gnuplot >/dev/null 2>&1", "w");
   if (!pipe) throw Error("gnuplot could not be started");
   const bool sent = std::fwrite(text.data(), 1, text.size(), pipe) == text.size();
+  std::error_code ignored;
   if (pclose(pipe) != 0 || !sent || !std::filesystem::exists(png, ignored)) {
     throw Error(png.string() + ": gnuplot could not draw it; is the folder there and writable?");
   }

@@ -156,8 +156,7 @@ class TumFolder {
     write_file(folder_ / "rgb.txt", "# timestamp filename\n" + colour_list_);
     write_calibration(folder_ / "calibration.yaml", calibration);
     const std::filesystem::path odometry_file = folder_ / "odometry.txt";
-    std::error_code ignored;
-    std::filesystem::remove(odometry_file, ignored);  // one from before would belong to other frames
+    remove_file(odometry_file);  // one from before would belong to other frames
     if (!odometry.empty()) write_odometry(odometry_file, odometry);
   }
 

@@ -78,6 +78,7 @@ LogInfo read_info(const std::filesystem::path& path) {
   std::set<int> segments;
   info.path = path;
   info.file_bytes = reader.size();
+  info.parts = reader.parts();
   while (std::optional<Message> message = reader.next()) {
     if (auto* session = std::get_if<SessionHeader>(&*message)) {
       if (!info.session) info.session = std::move(*session);
@@ -103,7 +104,9 @@ LogInfo read_info(const std::filesystem::path& path) {
 }
 
 std::string info_text(const LogInfo& info) {
-  std::string text = format("log          %s, %s\n", info.path.c_str(), size_text(info.file_bytes).c_str());
+  std::string text = format("log          %s, %s", info.path.c_str(), size_text(info.file_bytes).c_str());
+  if (info.parts > 1) text += format(" in %lld files", static_cast<long long>(info.parts));
+  text += "\n";
   text += info.session ? session_text(*info.session) : "written by   unknown: there is no session event\n";
   text += format("recorded     %.2f s from stamp %s\n", seconds(info.first_us, info.last_us),
                  format_stamp_us(info.first_us).c_str());
@@ -141,7 +144,8 @@ std::string info_json(const LogInfo& info) {
                 {"cy", camera.cy},
                 {"distortion", camera.distortion}};
   };
-  Json json = {{"log", info.path.string()}, {"bytes", info.file_bytes}, {"session", nullptr}};
+  Json json = {
+      {"log", info.path.string()}, {"bytes", info.file_bytes}, {"files", info.parts}, {"session", nullptr}};
   if (info.session) {
     const SessionHeader& session = *info.session;
     json["session"] = {{"program_version", session.program_version},

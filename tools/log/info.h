@@ -16,6 +16,7 @@ namespace kt {
 struct LogInfo {
   std::filesystem::path path;
   int64_t file_bytes = 0;
+  int64_t parts = 1;                     ///< files, of a log that was rolled
   std::optional<SessionHeader> session;  ///< the first; none in a log that is not ours or has lost it
   std::array<MessageReader::ChannelCount, kChannels.size()> channels{};
   LogIntegrity integrity;

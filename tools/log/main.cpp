@@ -1,4 +1,5 @@
-// kintsugi-log: says what a log holds, converts logs from and to other forms, and watches missions.
+// kintsugi-log: says what a log holds, converts logs from and to other forms, repairs them, and watches
+// missions.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <atomic>
 #include <csignal>
@@ -10,6 +11,7 @@
 #include "shared/io/calibration_file.h"
 #include "tools/log/convert.h"
 #include "tools/log/info.h"
+#include "tools/log/repair.h"
 #include "tools/log/watch.h"
 
 namespace {
@@ -20,8 +22,9 @@ static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Says what a log holds, converts logs from and to other forms, and watches missions.",
-               "kintsugi-log");
+  CLI::App app(
+      "Says what a log holds, converts logs from and to other forms, repairs them, and watches missions.",
+      "kintsugi-log");
   app.require_subcommand(1);
 
   std::string log;
@@ -54,6 +57,14 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   convert->add_flag("--overwrite", options.overwrite, "replace the target where it exists");
 
+  kt::RepairOptions repairs;
+  CLI::App* repair = app.add_subcommand(
+      "repair", "a damaged log without its damage: what is intact is copied, the log itself stays");
+  repair->add_option("log", log, "LCM log; of one in several files the first")->required();
+  repair->add_option("--output,-o", repairs.output, "file to write; by default NAME.repaired.lcm beside it");
+  repair->add_flag("--in-place", repairs.in_place, "replace the log itself");
+  repair->add_flag("--overwrite", repairs.overwrite, "replace the output where it exists");
+
   kt::WatchOptions watching;
   CLI::App* watch =
       app.add_subcommand("watch", "a mission under way: tracking, rate, drops, volume, disk, temperature");
@@ -71,6 +82,10 @@ int main(int argc, char** argv) {
     if (watch->parsed()) {
       for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop_requested = true; });
       return kt::watch(watching, stop_requested, stdout);
+    }
+    if (repair->parsed()) {
+      std::puts(kt::repair_text(kt::repair_log(log, repairs)).c_str());
+      return;
     }
     if (info->parsed()) {
       const kt::LogInfo log_info = kt::read_info(log);

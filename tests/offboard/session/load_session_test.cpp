@@ -140,10 +140,11 @@ TEST(LoadSession, RefusesANewerFormat) {
 }
 
 TEST(IntegrityReport, NamesEveryKindOfDamage) {
-  const LogIntegrity integrity{10, 1, 2, 3, 4, true, true, true};
+  const LogIntegrity integrity{10, 1, 2, 3, 4, 5, true, true, true};
   EXPECT_EQ(integrity_text(integrity),
-            "10 events, 1 on other channels, 2 damaged, 3 bytes skipped, 4 messages missing, truncated, "
-            "no session event, no final slice: the mission did not end properly, "
+            "10 events, 1 on other channels, 2 damaged, 3 bytes skipped, 4 messages missing, "
+            "5 parts of the log missing, truncated, no session event, no final slice: the mission did not "
+            "end properly, "
             "the surface still in the volume is missing");
   EXPECT_EQ(integrity_text({.events = 1}), "1 event, no damage");
   EXPECT_EQ(integrity_json(integrity)["damaged_events"], 2);

@@ -109,7 +109,7 @@ TEST(V4l2SimulatedMission, UnpluggedGoesOnAsANewSegment) {
   };
   int waits = 0;
   rig.on_wait = [&] {
-    if (++waits != 4) return;
+    if (++waits != 16) return;  // 3.1 s
     rig.system.plug();
     rig.sequence = 0;
     for (int i = 5; i < 10; ++i) rig.show(frames[i], 7'000 + 33'000 * i);

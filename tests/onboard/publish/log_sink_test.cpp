@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <limits>
@@ -131,18 +132,67 @@ TEST(LogSink, EventTimeIsSensorTime) {
   EXPECT_EQ(event->channel, "KINTSUGI_POSE");
 }
 
-TEST(LogSink, FullDiskStopsTheCallerAndClose) {
+TEST(LogSink, FullDiskStopsNobodyAndIsCounted) {
   LogSink sink("/dev/full");
+  for (int64_t i = 0; i < 1000; ++i) sink.on_pose(sample_stamped_pose(i));
+  sink.on_raw_frame(flat_frame(0));
+  sink.close();
+  sink.close();
+  EXPECT_EQ(sink.storage().level, StorageLevel::kFull);
+  EXPECT_EQ(sink.storage().poses, 1000);
+  EXPECT_EQ(sink.storage().raw_frames, 1);
+}
+
+TEST(LogSink, ADeadDiskDoesNotHoldUpTheEnd) {
+  const ScratchDir folder;
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);  // never reads
+  ASSERT_GE(reader, 0);
+  std::atomic<bool> end = false;
+  LogSink sink(pipe, {}, {.called = &end, .patience = std::chrono::milliseconds(100)});
+  const auto old_handler = std::signal(SIGPIPE, SIG_IGN);
+  constexpr int kCalls = 200;  // more than queue and pipe hold
+  std::thread caller([&] {
+    for (int i = 0; i < kCalls; ++i) {
+      sink.on_pose(sample_stamped_pose(2 * i));
+      sink.on_slice(sample_slice());
+    }
+  });
+  end = true;
+  caller.join();
   std::string text;
   try {
-    for (int64_t i = 0; i < 1000; ++i) sink.on_pose(sample_stamped_pose(i));
+    sink.close();
   } catch (const Error& error) {
     text = error.what();
   }
-  EXPECT_NE(text.find("/dev/full"), std::string::npos) << text;
-  EXPECT_THROW(sink.on_pose(sample_stamped_pose(0)), Error);
-  EXPECT_THROW(sink.close(), Error);
-  EXPECT_THROW(sink.close(), Error);
+  EXPECT_NE(text.find("answers no more"), std::string::npos) << text;
+  EXPECT_NE(text.find("pipe"), std::string::npos) << text;
+  ::close(reader);  // lets go of the thread
+  std::signal(SIGPIPE, old_handler);
+}
+
+TEST(LogSink, AtTheEndWhatIsQueuedIsStored) {
+  const ScratchDir folder;
+  std::atomic<bool> end = true;
+  LogSink sink(folder / "a.lcm", {}, {.called = &end, .patience = std::chrono::hours(1)});
+  run_mission(sink);
+  sink.close();
+  EXPECT_EQ(sink.storage().not_stored(), 0);
+  MessageReader reader(folder / "a.lcm");
+  while (reader.next())
+    ;
+  EXPECT_EQ(reader.channels()[message_index<StampedPose>()].messages, kFrames);
+}
+
+TEST(LogSink, WhatComesTooLateIsDroppedAndCounted) {
+  const ScratchDir folder;
+  std::atomic<bool> end = true;
+  LogSink sink(folder / "a.lcm", {}, {.called = &end, .patience = {}});
+  run_mission(sink);
+  sink.close();
+  EXPECT_GE(sink.storage().poses, kFrames - 1);
 }
 
 TEST(LogSink, AStuckDiskMakesTheCallerWait) {
@@ -187,8 +237,11 @@ TEST(LogSink, AStuckDiskMakesTheCallerWait) {
 }
 
 TEST(LogSink, ErrorOfTheLastMessageSurfacesAtClose) {
-  LogSink sink("/dev/full");
-  sink.on_status(sample_status());
+  const ScratchDir folder;
+  LogSink sink(folder / "a.lcm");
+  CloudSlice slice = sample_slice();
+  slice.T_odom_camera.translation().x() = 5200;  // out of reach
+  sink.on_slice(slice);
   EXPECT_THROW(sink.close(), Error);
 }
 

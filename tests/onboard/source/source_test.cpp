@@ -161,6 +161,7 @@ std::string story_of(FrameSource& source) {
     if (item.kind == Kind::kFrame) text << "f" << static_cast<double>(item.frame.timestamp_us) * 1e-6;
     if (item.kind == Kind::kSkipped) text << "-f";
     if (item.kind == Kind::kSkippedMotion) text << "-m";
+    if (item.kind == Kind::kInterrupted) text << "!";
     if (item.kind == Kind::kMotion) {
       text << "m" << static_cast<double>(item.motion.timestamp_us) * 1e-6;
       EXPECT_EQ(item.motion.sequence, samples++);
@@ -198,6 +199,23 @@ TEST(CheckedSource, AFrameWithAWrongStampCostsNoMotionSample) {
   EXPECT_EQ(checked_story({-99, 9000, -100, 100, 101}), "-f m99 m100 f100 f101");                   // first
   EXPECT_EQ(checked_story({100, 101, -101.5, 3, -101.9, 102}), "f100 f101 -f m101.5 m101.9 f102");  // behind
   EXPECT_EQ(checked_story({100, 101, -101.5, 9000, -102}), "f100 f101 -f m101.5 m102");  // the last
+}
+
+TEST(CheckedSource, AClockThatIsSetBackStopsNoTime) {
+  EXPECT_EQ(checked_story({100, 101, 3, 4, 5}), "f100 f101 ! f102 f103 f104");
+  EXPECT_EQ(checked_story({100, 101, 99, 100, 101, 102}), "f100 f101 ! f102 f103 f104 f105");
+  EXPECT_EQ(checked_story({100, 101, 3, 4, 2, 3}), "f100 f101 ! f102 f103 ! f104 f105");  // and again
+  EXPECT_EQ(checked_story({100, 101, 3}), "f100 f101 -f");                          // nobody confirms it
+  EXPECT_EQ(checked_story({100, 101, 3, 50, 51}), "f100 f101 -f ! f102 f103");      // the one behind it is
+  EXPECT_EQ(checked_story({100, 101, 9000, 3, 4}), "f100 f101 -f ! f102 f103");     // ahead and back
+  EXPECT_EQ(checked_story({100, 101, 100.5, 100.7, 102}), "f100 f101 -f -f f102");  // frames that are late
+  EXPECT_EQ(checked_story({100, 101, 3, 4, 5, 4.9, 6}), "f100 f101 ! f102 f103 f104 -f f105");
+}
+
+TEST(CheckedSource, MotionSamplesFollowAClockThatIsSetBack) {
+  EXPECT_EQ(checked_story({100, 101, -101.25, -2.75, 3, -3.5, 4, -4.5, 5}),
+            "f100 f101 m101.25 ! m101.75 f102 m102.5 f103 m103.5 f104");
+  EXPECT_EQ(checked_story({100, -100.5, 101, 3, -3.5, 102}), "f100 m100.5 f101 -f -m f102");
 }
 
 TEST(CheckedSource, AMotionSampleWithAWrongStampCostsItselfOnly) {

@@ -220,10 +220,11 @@ TEST(EventLog, UnwritablePlaceIsAnErrorThatNamesIt) {
   EXPECT_NE(error_of([] { EventLogWriter("/nowhere/a.lcm"); }).find("/nowhere/a.lcm"), std::string::npos);
 }
 
-TEST(EventLog, FullDiskIsAnErrorAtOnceAndEverAfter) {
+TEST(EventLog, FullDiskIsAnErrorEachTime) {
   EventLogWriter writer("/dev/full");
   for (int i = 0; i < 2; ++i) {
     const std::string text = error_of([&] { writer.write("A", 0, Bytes{1}); });
+    EXPECT_THROW(writer.write("A", 0, Bytes{1}), DiskFullError);
     EXPECT_NE(text.find("/dev/full: No space left on device"), std::string::npos) << text;
   }
   EXPECT_EQ(writer.event_count(), 0);
@@ -263,11 +264,13 @@ TEST(EventLog, DiskThatFillsUpKeepsEveryWholeEvent) {
   });
   setrlimit(RLIMIT_FSIZE, &limit);
   std::signal(SIGXFSZ, old_handler);
+  EXPECT_EQ(std::filesystem::file_size(path), 1000u);
+  writer.write("CHANNEL", 10, Bytes(65, 7));  // there is room again
   EXPECT_NE(text.find("10 events written before are intact"), std::string::npos) << text;
   EXPECT_EQ(written, 10);
-  EXPECT_EQ(std::filesystem::file_size(path), 1000u);
+  EXPECT_EQ(std::filesystem::file_size(path), 1100u);
   EventLogReader reader(path);
-  EXPECT_EQ(read_all(reader).size(), 10u);
+  EXPECT_EQ(read_all(reader).size(), 11u);
   EXPECT_TRUE(reader.integrity().is_sound());
 }
 

@@ -127,7 +127,9 @@ inline MissionStatus sample_status() {
           PoseSource::kPrior,
           TrackingCause::kNoDepth,
           0.25,
-          61};
+          61,
+          StorageLevel::kNoKeyframes,
+          12};
 }
 
 inline CompressedFrame sample_frame() {
@@ -278,6 +280,8 @@ inline void expect_equal(const MissionStatus& a, const MissionStatus& b) {
   EXPECT_EQ(a.cause, b.cause);
   EXPECT_EQ(a.inlier_share, b.inlier_share);
   EXPECT_EQ(a.temperature_c, b.temperature_c);
+  EXPECT_EQ(a.storage, b.storage);
+  EXPECT_EQ(a.not_stored, b.not_stored);
 }
 inline void expect_equal(const CompressedFrame& a, const CompressedFrame& b) {
   EXPECT_EQ(a.sequence, b.sequence);
