@@ -45,8 +45,8 @@ class Gaps {
   int64_t damaged_ = 0;
 };
 
-/// Turns what arrives into items, in the order of arrival; trusts nothing. At most kQueuedFrames frames
-/// wait here to be decompressed, and as many in LCM, which loses the newest where even that is too slow.
+/// Turns what arrives into items, in the order of arrival; trusts nothing. Where frames come faster
+/// than they can be decompressed the oldest is dropped, as FrameQueue does behind, and told as skipped.
 class Intake {
  public:
   Intake(std::shared_ptr<LcmBus> bus, std::string name, milliseconds longest_wait)
@@ -105,10 +105,10 @@ class Intake {
     CompressedFrame frame{};
   };
 
+  // All that LCM holds: its own queue keeps the oldest messages and loses the newest.
   void take_what_came() {
     for (size_t i = 0; i < kMostArrivals && arrivals_.size() < kMostArrivals && !has_ended_; ++i) {
       if (!arrivals_.empty() && bus_->waits_for_receiver()) return;
-      if (waiting_frames_ >= kQueuedFrames) return;
       const auto received = bus_->receive(arrivals_.empty() ? longest_wait_ : milliseconds(0));
       if (received == LcmBus::Received::kNothing) return;
       has_ended_ = received == LcmBus::Received::kEnd;
@@ -146,7 +146,15 @@ class Intake {
                      " is of another calibration than the first, as the session before it says");
     }
     arrivals_.push_back({.item = {.kind = SourceItem::Kind::kFrame}, .frame = std::move(frame)});
-    ++waiting_frames_;
+    if (++waiting_frames_ > kQueuedFrames) drop_oldest_frame();
+  }
+  void drop_oldest_frame() {
+    const auto oldest = std::find_if(arrivals_.begin(), arrivals_.end(), [](const Arrival& arrival) {
+      return arrival.item.kind == SourceItem::Kind::kFrame;
+    });
+    *oldest = {.item = {.kind = SourceItem::Kind::kSkipped,
+                        .reason = name_ + ": the mission is late, a raw frame was dropped"}};
+    --waiting_frames_;
   }
 
   void add(SourceItem::Kind kind, const std::string& reason, int64_t times = 1) {
