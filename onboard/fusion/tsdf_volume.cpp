@@ -258,6 +258,7 @@ CloudSlice TsdfVolume::flush() {
   const VoxelBounds nothing{};
   CloudSlice slice = extractor_.extract(
       {view(), nothing, static_cast<int32_t>(std::lround(config_.min_slice_weight * Voxel::kWeightUnits))});
+  give_back_outside(nothing);
   placed_ = false;
   return slice;
 }

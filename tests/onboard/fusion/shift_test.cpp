@@ -267,6 +267,10 @@ TEST(Shift, GivesBackTheMemoryOfWhatLeft) {
   EXPECT_LT(resident().second, colours - colours / 10);
   ASSERT_FALSE(volume.follow(at(20, 0, 0)).value().triangles.empty());  // and the rest
   EXPECT_EQ(resident(), std::pair(size_t{0}, size_t{0}));
+  for (int i = 0; i < 9; ++i) volume.integrate(maps, at(20, 0, 0), 9 + i);
+  EXPECT_GT(resident().first, 50'000u);
+  ASSERT_FALSE(volume.flush().triangles.empty());
+  EXPECT_EQ(resident(), std::pair(size_t{0}, size_t{0})) << "nor does it keep what it has flushed";
 }
 
 double peak_mib() {
