@@ -25,17 +25,19 @@ void surface_of_frames(const Group& group, std::span<const MissionFrames> missio
                        const std::filesystem::path& tiles, const std::function<void(double)>& progress) {
   constexpr double kFusing = 0.9;  // of the work
   const Trajectory poses = group.trajectory();
+  const std::vector<Vector6d> motion = velocities(poses);
   Reintegrator reintegrator(device, session.header.calibration, config, tiles.string() + ".bricks");
   std::map<int64_t, const Keyframe*> keyframes;  // by sequence
   for (const Keyframe& keyframe : session.keyframes) keyframes.emplace(keyframe.sequence, &keyframe);
   int64_t count = 0, read = 0, fused = 0, shown = 0, not_shown = 0;
   for (const MissionFrames& mission : missions) count += std::max<int64_t>(1, mission.source->frame_count());
   for (const MissionFrames& mission : missions) {
-    std::map<int64_t, const StampedPose*> by_stamp;
-    for (const StampedPose& pose : poses) {
+    std::map<int64_t, size_t> by_stamp;
+    for (size_t i = 0; i < poses.size(); ++i) {
+      const StampedPose& pose = poses[i];
       const bool is_of_mission =
           pose.sequence >= mission.first_sequence && pose.sequence < mission.end_sequence;
-      if (is_of_mission && pose.status == TrackingStatus::kGood) by_stamp.emplace(pose.timestamp_us, &pose);
+      if (is_of_mission && pose.status == TrackingStatus::kGood) by_stamp.emplace(pose.timestamp_us, i);
     }
     if (by_stamp.empty()) continue;
     FrameSource& source = *mission.source;
@@ -43,9 +45,9 @@ void surface_of_frames(const Group& group, std::span<const MissionFrames> missio
       if (item.kind != SourceItem::Kind::kFrame) continue;
       const auto found = by_stamp.find(item.frame.timestamp_us);
       if (found != by_stamp.end()) {
-        const StampedPose& pose = *found->second;
+        const StampedPose& pose = poses[found->second];
         item.frame.sequence = pose.sequence;
-        reintegrator.fuse(item.frame, pose.T_odom_camera);
+        reintegrator.fuse(item.frame, pose.T_odom_camera, motion[found->second]);
         ++fused;
         if (const auto keyframe = keyframes.find(pose.sequence); keyframe != keyframes.end())
           ++(reintegrator.shows(keyframe->second->depth) ? shown : not_shown);

@@ -153,7 +153,8 @@ class MapRun {
       map.is_in_place = surfaces_[i].is_in_place;
       map.folder = folder_of(map, i == main);
       if (map.folder.empty()) continue;
-      for (MapFile& file : write_group(options_.output, map, placed_, options_.formats))
+      for (MapFile& file :
+           write_group(options_.output, map, placed_, joined_.session.header.calibration, options_.formats))
         files_.push_back(std::move(file));
       tell_of_group(1);
     }

@@ -51,7 +51,7 @@ void create_folder(const fs::path& folder) {
 std::string map_file(const std::string& format) { return std::string(kMap) + format; }
 
 std::vector<MapFile> write_group(const fs::path& output, const GroupMap& map, const PlacedMission& placed,
-                                 const std::vector<std::string>& formats) {
+                                 const Calibration& calibration, const std::vector<std::string>& formats) {
   const fs::path folder = map.folder == "." ? output : output / map.folder;
   create_folder(folder);
   const MeshStream mesh = map.map.mesh->stream();
@@ -60,7 +60,8 @@ std::vector<MapFile> write_group(const fs::path& output, const GroupMap& map, co
     const fs::path path = folder / names.emplace_back(map_file(format));
     format == "pcd" ? write_cloud(path, mesh) : write_mesh(path, mesh);
   }
-  write_trajectory(folder / names.emplace_back(kTrajectory), map.group.trajectory());
+  write_trajectory(folder / names.emplace_back(kTrajectory),
+                   at_stamps(map.group.trajectory(), calibration.stamp_delay_s));
   write_g2o(folder / names.emplace_back(kPoses), graph_of(map.group, placed));
   std::vector<MapFile> files;
   for (const std::string& name : names) {

@@ -22,7 +22,8 @@ std::string map_file(const std::string& format);
 /// Writes the map in every one of `formats` (ply, obj, glb, pcd), trajectory.txt and poses.g2o to map.folder
 /// within `output`, replacing what stands there; says what was written.
 std::vector<MapFile> write_group(const std::filesystem::path& output, const GroupMap& map,
-                                 const PlacedMission& placed, const std::vector<std::string>& formats);
+                                 const PlacedMission& placed, const Calibration& calibration,
+                                 const std::vector<std::string>& formats);
 
 /// Removes those files from all segment-N in `output`, and the folders that are empty then. What
 /// somebody else put there stays. Throws kt::Error where a file cannot be removed.

@@ -63,9 +63,12 @@ void read_slices(const Group& group, std::span<const MissionLog> logs, std::vect
 }
 
 // Stays become the patches of the group, numbered on from segment to segment.
-void find_stays(const SliceTiles& tiles, std::vector<SegmentSlices>& segments) {
+void find_stays(const SliceTiles& tiles, const TileGrid& grid, std::vector<SegmentSlices>& segments) {
   std::vector<StayFinder> finders(segments.size());
-  for (const TileId& id : tiles.tiles()) finders[static_cast<size_t>(id.patch)].add(tiles.read(id));
+  for (const TileId& id : tiles.tiles()) {
+    const auto is_whole = [&](EdgeKey key) { return grid.is_within(id, key, kMargin); };
+    finders[static_cast<size_t>(id.patch)].add(tiles.read(id), is_whole);
+  }
   int32_t first = 0, end = 0;
   for (size_t s = 0; s < segments.size(); ++s, first = end) {
     segments[s].patch_of = finders[s].stays(segments[s].sequences);
@@ -112,7 +115,7 @@ void surface_of_slices(const Group& group, std::span<const MissionLog> logs, con
     SliceTiles slices(config.grid, kMargin, tiles.string() + ".slices");
     read_slices(group, logs, segments, slices);
     if (has_moved) {
-      find_stays(slices, segments);
+      find_stays(slices, config.grid, segments);
     } else {
       for (const int64_t sequence : segments.front().sequences)
         segments.front().patch_of.emplace(sequence, 0);

@@ -19,15 +19,18 @@ struct Copy {
   friend auto operator<=>(const Copy&, const Copy&) = default;
 };
 
-std::vector<Copy> sorted_copies(std::span<const CloudSlice> parts) {
+std::vector<Copy> sorted_copies(std::span<const CloudSlice> parts,
+                                const std::function<bool(EdgeKey)>& is_whole) {
   std::vector<Copy> copies;
   size_t count = 0;
   for (const CloudSlice& part : parts) count += part.vertices.size();
   KT_CHECK(count < std::numeric_limits<uint32_t>::max(), "too many vertices");
   copies.reserve(count);
   for (size_t s = 0; s < parts.size(); ++s) {
-    for (size_t v = 0; v < parts[s].vertices.size(); ++v)
-      copies.push_back({parts[s].vertices[v].key, static_cast<uint32_t>(s), static_cast<uint32_t>(v)});
+    for (size_t v = 0; v < parts[s].vertices.size(); ++v) {
+      const EdgeKey key = parts[s].vertices[v].key;
+      if (is_whole(key)) copies.push_back({key, static_cast<uint32_t>(s), static_cast<uint32_t>(v)});
+    }
   }
   std::sort(copies.begin(), copies.end());
   return copies;
@@ -35,8 +38,8 @@ std::vector<Copy> sorted_copies(std::span<const CloudSlice> parts) {
 
 }  // namespace
 
-void StayFinder::add(std::span<const CloudSlice> parts) {
-  const std::vector<Copy> copies = sorted_copies(parts);
+void StayFinder::add(std::span<const CloudSlice> parts, const std::function<bool(EdgeKey)>& is_whole) {
+  const std::vector<Copy> copies = sorted_copies(parts, is_whole);
   const auto sequence = [&](const Copy& copy) { return parts[copy.part].sequence; };
   const auto agree = [&](const Copy& a, const Copy& b) {
     const Vec3f between = parts[a.part].vertices[a.vertex].p_odom - parts[b.part].vertices[b.vertex].p_odom;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <span>
 #include <vector>
@@ -24,8 +25,9 @@ namespace kt {
 /// than the surface is wide, no key comes again.
 class StayFinder {
  public:
-  /// Takes what all slices hold of a place, ascending by sequence; or all of it. Fewer than 2^32 vertices.
-  void add(std::span<const CloudSlice> parts);
+  /// Takes what all slices hold of a place, ascending by sequence. Keys for which `is_whole` is false are
+  /// passed over: there may be copies that `parts` lack. Fewer than 2^32 vertices.
+  void add(std::span<const CloudSlice> parts, const std::function<bool(EdgeKey)>& is_whole);
 
   /// The stay of each slice, from 0; `sequences`: of all slices, ascending.
   std::map<int64_t, int32_t> stays(std::span<const int64_t> sequences) const;

@@ -29,6 +29,11 @@ struct TileGrid {
     };
     return is_near(cell.x, id.x) && is_near(cell.y, id.y) && is_near(cell.z, id.z);
   }
+  /// Whether all cells around an edge lie so.
+  bool is_within(const TileId& id, EdgeKey key, int32_t margin) const {
+    const Vec3i v = key.voxel();
+    return is_within(id, v, margin) && is_within(id, v - Vec3i{1, 1, 1}, margin);
+  }
   /// Whether cells of several cubes meet in the edge, so that its vertex may stand in several tiles.
   bool is_shared(EdgeKey key) const {
     const Vec3i v = key.voxel();

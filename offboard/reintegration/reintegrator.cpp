@@ -37,7 +37,7 @@ Reintegrator::Reintegrator(const exec::Device& device, const Calibration& calibr
       volume_(device, calibration.depth.pinhole(), config.volume),
       store_(scratch) {}
 
-void Reintegrator::fuse(const RgbdFrame& frame, const Pose& T_world_camera) {
+void Reintegrator::fuse(const RgbdFrame& frame, const Pose& T_world_camera, const Vector6d& velocity) {
   if (const auto place = volume_.next_place(T_world_camera)) {
     volume_.move_to(*place, [this](auto bricks) { store_.put(bricks); });
     const VoxelBounds inside = bounds_at(*place);
@@ -45,7 +45,7 @@ void Reintegrator::fuse(const RgbdFrame& frame, const Pose& T_world_camera) {
     store_.erase(inside);  // a surface may turn out to be none
   }
   maps_ = &preprocessor_.process(frame);
-  volume_.integrate(*maps_, T_world_camera, frame.sequence);
+  volume_.integrate(*maps_, T_world_camera, frame.sequence, FrameMotion(*maps_, velocity));
   last_us_ = frame.timestamp_us;
 }
 

@@ -29,8 +29,9 @@ class Reintegrator {
   Reintegrator(const exec::Device& device, const Calibration& calibration, const ReintegrationConfig& config,
                const std::filesystem::path& scratch);
 
-  /// Fuses a frame seen from T_world_camera.
-  void fuse(const RgbdFrame& frame, const Pose& T_world_camera);
+  /// Fuses a frame seen from T_world_camera by a camera that moves with `velocity`, in its own frame [rad/s;
+  /// m/s].
+  void fuse(const RgbdFrame& frame, const Pose& T_world_camera, const Vector6d& velocity = Vector6d::Zero());
 
   /// Whether the frame that was fused last shows the depth that a keyframe has kept of it (Keyframe::depth).
   bool shows(const Image<uint16_t>& keyframe_depth) const;

@@ -34,7 +34,9 @@ FrameReport Collector::process(const RgbdFrame& frame) {
         "track", [&] { return odometry_.track(maps, model_, predict, find_place, frame.sequence); });
     report.track = odometry_.last_result();
     publish_pose(report.pose);
-    publish_places(clock_.measure("places", [&] { return places_.next(maps, frame.colour, report.pose); }));
+    const FrameMotion motion(maps, odometry_.velocity());
+    publish_places(
+        clock_.measure("places", [&] { return places_.next(maps, frame.colour, report.pose, motion); }));
     if (report.pose.status != TrackingStatus::kGood) return;  // doubtful frames are never fused
 
     if (report.pose.segment != segment_) enter_segment(report.pose);
@@ -44,7 +46,7 @@ FrameReport Collector::process(const RgbdFrame& frame) {
     if (slice && !slice->vertices.empty()) {
       clock_.measure("publish", [&] { publish_slice(std::move(*slice), frame.timestamp_us); });
     }
-    clock_.measure("integrate", [&] { volume_.integrate(maps, T_odom_camera, frame.sequence); });
+    clock_.measure("integrate", [&] { volume_.integrate(maps, T_odom_camera, frame.sequence, motion); });
     T_odom_fused_ = T_odom_camera;
     model_ = clock_.measure("raycast", [&] { return &volume_.raycast(T_odom_camera); });
     clock_.measure("remember", [&] { odometry_.remember(maps, *model_); });
@@ -106,6 +108,16 @@ void Collector::publish_status() {
   status_.volume_origin_voxel = volume_.origin_voxel();
   sink_.on_status(status_);
   ++status_.sequence;
+}
+
+void Collector::interrupt() {
+  if (status_.frames == 0) return;  // nothing has begun yet
+  model_ = nullptr;
+  status_.tracking = TrackingStatus::kLost;
+  status_.source = PoseSource::kNone;
+  status_.cause = TrackingCause::kNoFrames;
+  status_.inlier_share = 0;
+  publish_status();
 }
 
 void Collector::finish() {

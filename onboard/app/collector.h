@@ -32,6 +32,10 @@ class Collector {
   /// Tracks and fuses one frame. Frames must come in order of their time stamps and fit the calibration.
   FrameReport process(const RgbdFrame& frame);
 
+  /// There are no frames for now: the camera is gone. Says so in a status, each time it is called. The next
+  /// frame may show any place: it begins a new segment.
+  void interrupt();
+
   /// Publishes what is left in the volume and the last status. Call once, after the last frame.
   void finish();
 

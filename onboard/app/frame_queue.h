@@ -15,8 +15,9 @@
 namespace kt {
 
 /// Reads a source ahead on its own thread, at most `capacity` frames and skipped ones, with the motion
-/// samples among them; order and content are the source's. That thread gives way to those that process: on a
-/// busy machine images are decoded while the tracker waits, not in its stead.
+/// samples among them; order and content are the source's, but that kNothingYet is passed on only while
+/// nothing else waits. That thread gives way to those that process: on a busy machine images are decoded
+/// while the tracker waits, not in its stead.
 class FrameQueue {
  public:
   explicit FrameQueue(FrameSource& source, size_t capacity = 4)
@@ -49,7 +50,7 @@ class FrameQueue {
 
   // Motion samples are small and many: they must not take the frames' places.
   static bool is_large(const SourceItem& item) {
-    return item.kind != SourceItem::Kind::kMotion && item.kind != SourceItem::Kind::kSkippedMotion;
+    return item.kind == SourceItem::Kind::kFrame || item.kind == SourceItem::Kind::kSkipped;
   }
   bool is_full() const { return large_items_ >= capacity_ || items_.size() >= kMostItems; }
 
@@ -62,6 +63,7 @@ class FrameQueue {
         SourceItem item = source_.next();
         more = item.kind != SourceItem::Kind::kEnd;
         std::unique_lock lock(mutex_);
+        if (item.kind == SourceItem::Kind::kNothingYet && !items_.empty() && !stopping_) continue;
         changed_.wait(lock, [this] { return !is_full() || stopping_; });
         if (stopping_) return;
         large_items_ += is_large(item);

@@ -12,7 +12,10 @@
 #include "onboard/app/config_fields.h"
 #include "onboard/app/mission.h"
 #include "onboard/app/mission_report.h"
+#include "onboard/publish/lcm_sink.h"
 #include "onboard/publish/log_sink.h"
+#include "onboard/publish/tee_sink.h"
+#include "onboard/source/cameras.h"
 #include "shared/cli/program.h"
 #include "shared/cli/progress_line.h"
 #include "shared/core/version.h"
@@ -29,7 +32,9 @@ struct Options {
   std::vector<std::string> settings;
   int threads = 0;
   std::string raw_colour = "jpeg";
-  bool record_raw = false, overwrite = false, quiet = false, print_config = false;
+  std::optional<std::string> publish;  // empty: LCM's default URL
+  double publish_rate_mb_s = 4, idle_timeout_s = 0;
+  bool record_raw = false, overwrite = false, quiet = false, print_config = false, list_cameras = false;
 };
 
 kt::CollectorConfig read_config(const Options& options) {
@@ -61,7 +66,25 @@ class FrameProgress {
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+std::shared_ptr<kt::LcmSink> open_live_sink(const Options& options) {
+  return std::make_shared<kt::LcmSink>(
+      std::make_shared<kt::LcmBus>(*options.publish),
+      kt::LcmSink::Options{.bytes_per_second = options.publish_rate_mb_s * 1e6});
+}
+
+void list_cameras() {
+  std::vector<kt::FoundCamera> cameras = kt::openni2_cameras();
+  for (kt::FoundCamera& camera : kt::v4l2_cameras()) cameras.push_back(std::move(camera));
+  if (cameras.empty())
+    std::cout << "no camera is plugged in, or none that this user may see (docs/cameras.md)\n";
+  for (const kt::FoundCamera& camera : cameras) {
+    std::cout << camera.spec << "  " << camera.name << '\n';
+    for (const std::string& mode : camera.modes) std::cout << "  " << mode << '\n';
+  }
+}
+
 void run(const Options& options) {
+  if (options.list_cameras) return list_cameras();
   const kt::CollectorConfig config = read_config(options);
   if (options.print_config) {
     std::cout << kt::config_to_yaml(config, /*with_help=*/true);
@@ -78,6 +101,7 @@ void run(const Options& options) {
   mission.device = kt::exec::Device::from_name(options.device, options.threads);
   mission.record_raw = options.record_raw;
   mission.stop = &stop_requested;
+  mission.idle_timeout_s = options.idle_timeout_s;
   kt::LogSink sink(options.log, {.overwrite = options.overwrite,
                                  .frames = {.lossless_colour = options.raw_colour == "png"}});
   if (!options.quiet) {
@@ -91,7 +115,18 @@ void run(const Options& options) {
     mission.on_progress = [&](const kt::MissionStatus& status, int64_t count) {
       progress.show(status, count);
     };
-  const kt::MissionSummary summary = kt::run_mission(*source, sink, mission);
+  std::shared_ptr<kt::LcmSink> live;
+  if (options.publish) live = open_live_sink(options);
+  // From here on there is something to finish.
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop_requested = true; });
+  kt::MissionSummary summary;
+  if (live) {
+    kt::TeeSink both(sink, *live);
+    summary = kt::run_mission(*source, both, mission);
+    summary.publishing = live->counts();
+  } else {
+    summary = kt::run_mission(*source, sink, mission);
+  }
   progress.end();
   if (!options.quiet) std::cout << kt::mission_report_text(summary);
   if (!options.report.empty()) kt::write_mission_report(summary, options.report);
@@ -126,13 +161,28 @@ int main(int argc, char** argv) {
                  "how --record-raw stores colour: jpeg, or png (lossless: a replay gives the same mission)")
       ->check(CLI::IsMember({"jpeg", "png"}))
       ->capture_default_str();
+  app.add_option(
+         "--publish", options.publish,
+         "publish poses, slices, keyframes, closures and status on LCM while the mission runs; URL as "
+         "LCM takes it, by default $LCM_DEFAULT_URL or udpm://239.255.76.67:7667?ttl=0")
+      ->expected(0, 1)
+      ->type_name("[URL]");
+  app.add_option("--publish-rate", options.publish_rate_mb_s,
+                 "MB per second at which slices and keyframes are published; see docs/lcm.md")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  app.add_option("--idle-timeout", options.idle_timeout_s,
+                 "end the mission where a live input has brought no frame for so many seconds; 0 = never")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   app.add_flag("--overwrite", options.overwrite, "replace an existing log");
   app.add_option("--report", options.report, "write the end report as JSON");
   app.add_flag("--print-config", options.print_config,
                "print the configuration with every field explained, and stop");
+  app.add_flag("--list-cameras", options.list_cameras,
+               "print what cameras are there and their modes, and stop");
   app.add_flag("--quiet,-q", options.quiet, "print errors only");
   app.set_version_flag("--version", std::string("kintsugi-collect ") + kt::kProgramVersion);
 
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop_requested = true; });
   return kt::run_program(app, argc, argv, [&] { run(options); });
 }

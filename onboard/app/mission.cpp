@@ -59,7 +59,23 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
       return {};  // the end
     }
   };
+  auto last_frame = start;
+  bool is_gone = false;
+  const auto interrupt = [&](const std::string& reason) {
+    if (!std::exchange(is_gone, true)) {
+      ++summary.camera_losses;
+      keep_reason(summary.camera_loss_reasons, reason);
+    }
+    collector.interrupt();
+    if (options.on_progress) options.on_progress(collector.status(), source.frame_count());
+  };
   for (SourceItem item = next(); item.kind != SourceItem::Kind::kEnd && !stopped(); item = next()) {
+    if (item.kind == SourceItem::Kind::kNothingYet) {
+      const std::chrono::duration<double> idle = std::chrono::steady_clock::now() - last_frame;
+      if (options.idle_timeout_s == 0 || idle.count() < options.idle_timeout_s) continue;
+      summary.timed_out = true;
+      break;
+    }
     if (item.kind == SourceItem::Kind::kSkipped) {
       collector.count_skipped_frame();
       keep_reason(summary.skip_reasons, item.reason);
@@ -74,6 +90,12 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
       take_sample(item.motion);
       continue;
     }
+    if (item.kind == SourceItem::Kind::kInterrupted) {
+      interrupt(item.reason);
+      continue;
+    }
+    is_gone = false;
+    last_frame = std::chrono::steady_clock::now();
     if (collector.status().frames == 0) {
       summary.first_us = item.frame.timestamp_us;
       sink.on_session({SessionHeader::kFormatVersion, item.frame.timestamp_us, kProgramVersion,
@@ -87,8 +109,10 @@ MissionSummary run_mission(FrameSource& source, MessageSink& sink, const Mission
   summary.interrupted = stopped();
   if (collector.status().frames == 0 && !summary.interrupted) {
     if (failure) std::rethrow_exception(failure);
-    throw Error("no usable frame in the input: " +
-                (summary.skip_reasons.empty() ? "it holds none" : summary.skip_reasons.front()));
+    std::string why = summary.timed_out ? "none came in time" : "it holds none";
+    for (const auto* reasons : {&summary.camera_loss_reasons, &summary.skip_reasons})
+      if (!reasons->empty()) why = reasons->front();
+    throw Error("no usable frame in the input: " + why);
   }
   if (collector.status().frames > 0) collector.finish();
   sink.close();

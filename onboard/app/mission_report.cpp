@@ -70,6 +70,19 @@ nlohmann::ordered_json to_json(const TrackingStretch& stretch) {
           {"found_by", is_found ? Json(to_string(stretch.found_by)) : Json(nullptr)}};
 }
 
+std::string publishing_text(const LcmSink::Counts& counts) {
+  return format("published %lld messages, %.1f MB; %lld dropped, %lld refused by the network\n",
+                static_cast<long long>(counts.messages), static_cast<double>(counts.bytes) / 1e6,
+                static_cast<long long>(counts.dropped), static_cast<long long>(counts.refused));
+}
+
+nlohmann::ordered_json to_json(const LcmSink::Counts& counts) {
+  return {{"messages", counts.messages},
+          {"bytes", counts.bytes},
+          {"dropped", counts.dropped},
+          {"refused", counts.refused}};
+}
+
 nlohmann::ordered_json to_json(const StageTimes& times) {
   return {
       {"p50_ms", times.p50_ms}, {"p95_ms", times.p95_ms}, {"max_ms", times.max_ms}, {"count", times.count}};
@@ -99,6 +112,9 @@ std::string mission_report_text(const MissionSummary& summary) {
       static_cast<long long>(s.frames), 100 * tracked_share(s), static_cast<long long>(s.frames_uncertain),
       static_cast<long long>(s.frames_lost), static_cast<long long>(s.frames_skipped));
   for (const std::string& reason : summary.skip_reasons) text += "  skipped: " + reason + "\n";
+  if (summary.camera_losses > 0)
+    text += format("camera    gone %lld times for a while\n", static_cast<long long>(summary.camera_losses));
+  for (const std::string& reason : summary.camera_loss_reasons) text += "  gone: " + reason + "\n";
   if (summary.motion_samples + summary.motion_samples_refused > 0) {
     text += format("motion    %lld samples of other sensors, %lld refused\n",
                    static_cast<long long>(summary.motion_samples),
@@ -115,13 +131,16 @@ std::string mission_report_text(const MissionSummary& summary) {
   if (more > 0) text += format("  and %lld more, none of them longer\n", static_cast<long long>(more));
   text += format("slices    %lld with %lld vertices, %lld triangles\n", static_cast<long long>(s.slices),
                  static_cast<long long>(s.slice_vertices), static_cast<long long>(s.slice_triangles));
+  if (summary.publishing) text += publishing_text(*summary.publishing);
   text += format("%-10s%10s%10s%10s\n", "stage", "p50 ms", "p95 ms", "max ms");
   for (const auto& [stage, times] : summary.stage_times) {
     const char* name = stage == "frame_fallback" ? "fallback" : stage.c_str();
     text += format("%-10s%10.2f%10.2f%10.2f\n", name, times.p50_ms, times.p95_ms, times.max_ms);
   }
   text += format("took      %.1f s, %.0f MiB of memory at most%s\n", summary.seconds, summary.peak_memory_mib,
-                 summary.interrupted ? "; stopped by the user" : "");
+                 summary.interrupted ? "; stopped by the user"
+                 : summary.timed_out ? "; no more frames came"
+                                     : "");
   return text;
 }
 
@@ -163,7 +182,13 @@ void write_mission_report(const MissionSummary& summary, const std::filesystem::
       {"seconds", summary.seconds},
       {"peak_memory_mb", summary.peak_memory_mib},
       {"interrupted", summary.interrupted},
+      {"timed_out", summary.timed_out},
   };
+  if (summary.publishing) report["publishing"] = to_json(*summary.publishing);
+  if (summary.camera_losses > 0) {
+    report["camera_losses"] = summary.camera_losses;
+    report["camera_loss_reasons"] = summary.camera_loss_reasons;
+  }
   if (summary.motion_samples + summary.motion_samples_refused > 0) {
     report["motion_samples"] = summary.motion_samples;
     report["motion_samples_refused"] = summary.motion_samples_refused;

@@ -5,6 +5,7 @@
 #include "onboard/fusion/grid.h"
 #include "onboard/preprocess/surface_kernel.h"
 #include "shared/core/pinhole.h"
+#include "shared/core/row_motion.h"
 
 namespace kt {
 
@@ -43,6 +44,7 @@ struct SelectBlock {
   Rigid3f T_camera_volume;
   const DepthRange* tiles;
   uint8_t* selected;  // out, by slot
+  RowMotion shutter{};
 
   static int64_t element_count(int bricks) {
     const int64_t blocks = bricks / kBlockSide;
@@ -89,7 +91,11 @@ struct SelectBlock {
     const Vec3f centre{static_cast<float>(b.x * kBrickSide) + half,
                        static_cast<float>(b.y * kBrickSide) + half,
                        static_cast<float>(b.z * kBrickSide) + half};
-    return {T_camera_volume * (centre * volume.voxel_size_m), 1.7320508f * half * volume.voxel_size_m};
+    const Vec3f p = T_camera_volume * (centre * volume.voxel_size_m);
+    const float radius = 1.7320508f * half * volume.voxel_size_m;
+    // At the first row and the last; of the farthest point of the sphere.
+    const float moved = (norm(shutter.per_row(p)) + norm(shutter.omega) * radius) * shutter.middle_row;
+    return {p, radius + moved};
   }
 
   // False only where no point of the sphere can be in the image: it lies behind one of the five planes that
@@ -152,6 +158,7 @@ struct FuseColumns {
   const uint32_t* colours;  // rgba by pixel, or null
   float max_weight_units;
   uint8_t* column_fused;  // out, by element: whether the frame measured a voxel of the column
+  RowMotion shutter{};
 
   template <int kLanes>
   KT_HOST_DEVICE void run(int64_t i) const {
@@ -201,17 +208,26 @@ struct FuseColumns {
     const float* R = T_camera_volume.R.m;
     const Vec3f along_x = Vec3f{R[0], R[3], R[6]} * volume.voxel_size_m,
                 along_z = Vec3f{R[2], R[5], R[8]} * volume.voxel_size_m;
+    const Vec3f motion = shutter.per_row(start), motion_x = cross(shutter.omega, along_x),
+                motion_z = cross(shutter.omega, along_z);
+    const float middle = shutter.middle_row - camera.cy;
     const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
     float depth[kCount<kLanes>];
     int32_t seen[kCount<kLanes>], pixel[kCount<kLanes>];
     for (int z = 0; z < kBrickSide; ++z) {
-      const Vec3f row = start + along_z * static_cast<float>(z);
+      const Vec3f row_start = start + along_z * static_cast<float>(z),
+                  row_motion = motion + motion_z * static_cast<float>(z);
       for (int l = 0; l < kLanes; ++l) {
         const auto offset = static_cast<float>(x0 + l);
-        const float p_z = row.z + along_x.z * offset;
+        const Vec3f p = row_start + along_x * offset;  // at the middle row
+        // From the middle row to the one that sees it, to first order.
+        const float row = p.y / p.z * camera.fy - middle;
+        const float later = max_of(min_of(row, shutter.middle_row), -shutter.middle_row);
+        const Vec3f seen_at = p - (row_motion + motion_x * offset) * later;
+        const float p_z = seen_at.z;
         const float inverse = 1.0f / p_z;
-        const float u = (row.x + along_x.x * offset) * inverse * camera.fx + camera.cx + 0.5f;
-        const float v = (row.y + along_x.y * offset) * inverse * camera.fy + camera.cy + 0.5f;
+        const float u = seen_at.x * inverse * camera.fx + camera.cx + 0.5f;
+        const float v = seen_at.y * inverse * camera.fy + camera.cy + 0.5f;
         const int32_t in_image =
             (p_z >= kNearestVoxelM) & (u >= 0.0f) & (v >= 0.0f) & (u < width) & (v < height);
         depth[z * kLanes + l] = p_z;

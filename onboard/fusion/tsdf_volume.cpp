@@ -84,20 +84,22 @@ Pose TsdfVolume::T_volume_odom() const {
   return T;
 }
 
-void TsdfVolume::integrate(const FrameMaps& maps, const Pose& T_odom_camera, int64_t frame_sequence) {
+void TsdfVolume::integrate(const FrameMaps& maps, const Pose& T_odom_camera, int64_t frame_sequence,
+                           const FrameMotion& motion) {
   const VolumeView volume = view();
+  const RowMotion rows = motion.depth_rows(camera_);
   const Rigid3f T_camera_volume = to_rigid3f((T_volume_odom() * T_odom_camera).inverse());
   exec::for_each_pixel(
       device_, tiles_across(camera_.width, kTileSide), tiles_across(camera_.height, kTileSide),
       TileDepthRange{maps.fusion_pixels.data(), camera_.width, camera_.height, tiles_.data()});
   exec::for_each(device_, SelectBlock::element_count(bricks_),
-                 SelectBlock{volume, camera_, T_camera_volume, tiles_.data(), selected_.data()});
+                 SelectBlock{volume, camera_, T_camera_volume, tiles_.data(), selected_.data(), rows});
   const int64_t bricks = exec::compact_flags(device_, selected_.data(), selected_.size(), slots_.data());
   exec::for_each_lane(
       device_, bricks * kBrickColumns,
       FuseColumns{volume, camera_, T_camera_volume, slots_.data(), maps.fusion_pixels.data(),
                   maps.has_colour ? maps.registered_colour.data() : nullptr,
-                  static_cast<float>(config_.max_weight) * Voxel::kWeightUnits, fused_columns_.data()});
+                  static_cast<float>(config_.max_weight) * Voxel::kWeightUnits, fused_columns_.data(), rows});
   exec::for_each(
       device_, bricks,
       SummariseBrick{volume, slots_.data(), fused_columns_.data(), static_cast<uint32_t>(frame_sequence)});

@@ -11,6 +11,7 @@
 #include "onboard/fusion/raycast_kernel.h"
 #include "onboard/fusion/slice_extractor.h"
 #include "onboard/fusion/stored_brick_kernel.h"
+#include "onboard/preprocess/frame_motion.h"
 #include "onboard/preprocess/model_view.h"
 #include "onboard/preprocess/preprocessor.h"
 #include "shared/types/cloud_slice.h"
@@ -35,9 +36,10 @@ class TsdfVolume {
   /// kt::Error for an impossible configuration or too little memory.
   TsdfVolume(const exec::Device& device, const PinholeParams& camera, const VolumeConfig& config);
 
-  /// Fuses a frame seen from T_odom_camera. `frame_sequence` is remembered as the last to see what it
-  /// touches.
-  void integrate(const FrameMaps& maps, const Pose& T_odom_camera, int64_t frame_sequence);
+  /// Fuses a frame seen from T_odom_camera by a camera in `motion`. `frame_sequence` is remembered as the
+  /// last to see what it touches.
+  void integrate(const FrameMaps& maps, const Pose& T_odom_camera, int64_t frame_sequence,
+                 const FrameMotion& motion = {});
 
   /// Predicts the surface seen from T_odom_camera; the result stays valid until the next call.
   const ModelView& raycast(const Pose& T_odom_camera);

@@ -98,9 +98,10 @@ KeyframeMaker::KeyframeMaker(const Calibration& calibration, PlaceFeature featur
       extractor_(extractor_of(feature, magnification_ * colour_.width, magnification_ * colour_.height)) {}
 
 KeyframeImages KeyframeMaker::images_of(const FrameMaps& maps, const Image<Rgb8>& colour,
-                                        const StampedPose& pose) {
+                                        const StampedPose& pose, const FrameMotion& motion) {
   const IntensityLevel& intensity = maps.intensity.level(0);
   return {pose,
+          motion,
           {intensity.camera.width, intensity.camera.height, intensity.levels.downloaded()},
           maps.levels[1].depth.downloaded(),
           in_millimetres(maps.levels[2]),
@@ -113,6 +114,7 @@ Keyframe KeyframeMaker::make(const KeyframeImages& images) {
   keyframe.timestamp_us = images.pose.timestamp_us;
   keyframe.segment = images.pose.segment;
   keyframe.T_odom_camera = images.pose.T_odom_camera;
+  keyframe.velocity = images.motion.velocity();
   keyframe.descriptor_type = kind().type;
   keyframe.descriptor_size = kind().bytes;
   keyframe.depth = images.quarter_depth;
@@ -121,20 +123,28 @@ Keyframe KeyframeMaker::make(const KeyframeImages& images) {
   const Image<float> twice = magnification_ == 2 ? doubled(half) : Image<float>();
   const Image<float>& image = magnification_ == 2 ? twice : half;
   Keypoints keypoints = extractor_->extract({image.data(), image.width(), image.height()});
+  const Pose T_colour_depth = T_colour_depth_ * images.motion.T_depth_colour_time().inverse();
   const SurfaceBehind surface{colour_,
                               {images.depth.data(), depth_.width, depth_.height},
                               depth_,
-                              to_rigid3f(T_colour_depth_),
-                              to_rigid3f(T_colour_depth_.inverse())};
+                              to_rigid3f(T_colour_depth),
+                              to_rigid3f(T_colour_depth.inverse()),
+                              images.motion.colour_rows(colour_, T_colour_depth_),
+                              images.motion.depth_rows(depth_)};
+  const Rigid3f T_colour = to_rigid3f(T_colour_depth_);
   // Pixels of the image are 1 / magnification pixels of half the resolution.
   const float in_half = 1.0f / static_cast<float>(magnification_);
   for (size_t i = 0; i < keypoints.size(); ++i) {
-    const float u = in_half * (keypoints.u_px[i] + 0.5f), v = in_half * (keypoints.v_px[i] + 0.5f);
+    float u = in_half * (keypoints.u_px[i] + 0.5f) - 0.5f, v = in_half * (keypoints.v_px[i] + 0.5f) - 0.5f;
     Vec3f p;
-    if (!surface.find(u - 0.5f, v - 0.5f, &p)) p = {0, 0, 0};
-    keyframe.p_camera.push_back(p);
-    keyframe.u_px.push_back(2 * u - 0.5f);
-    keyframe.v_px.push_back(2 * v - 0.5f);
+    const bool has_point = surface.find(u, v, &p);
+    if (has_point && !images.motion.is_still()) {
+      const Vec3f c = T_colour * p;
+      u = colour_.project_u(c), v = colour_.project_v(c);
+    }
+    keyframe.p_camera.push_back(has_point ? p : Vec3f{0, 0, 0});
+    keyframe.u_px.push_back(2 * (u + 0.5f) - 0.5f);
+    keyframe.v_px.push_back(2 * (v + 0.5f) - 0.5f);
     keyframe.scale_px.push_back(2 * in_half * keypoints.scale_px[i]);
   }
   keyframe.descriptors = std::move(keypoints.descriptors);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "onboard/loops/feature_extractor.h"
+#include "onboard/preprocess/frame_motion.h"
 #include "onboard/preprocess/preprocessor.h"
 #include "shared/types/keyframe.h"
 #include "shared/types/stamped_pose.h"
@@ -18,6 +19,7 @@ enum class PlaceFeature { kSurf, kCorners };
 /// Of a frame, what a keyframe is made of, in host memory.
 struct KeyframeImages {
   StampedPose pose;
+  FrameMotion motion;
   Image<float> intensity;         ///< of the undistorted colour camera at half its resolution
   std::vector<float> depth;       ///< of the depth camera at half its resolution, bordered (m)
   Image<uint16_t> quarter_depth;  ///< at a quarter of it (mm)
@@ -32,7 +34,8 @@ class KeyframeMaker {
   const DescriptorKind& kind() const { return extractor_->kind(); }
 
   /// Copies what make() needs.
-  static KeyframeImages images_of(const FrameMaps& maps, const Image<Rgb8>& colour, const StampedPose& pose);
+  static KeyframeImages images_of(const FrameMaps& maps, const Image<Rgb8>& colour, const StampedPose& pose,
+                                  const FrameMotion& motion = {});
 
   Keyframe make(const KeyframeImages& images);
 

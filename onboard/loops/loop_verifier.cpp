@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "onboard/loops/descriptor_matcher.h"
+#include "onboard/preprocess/frame_motion.h"
 #include "shared/core/rng.h"
 
 namespace kt {
@@ -97,6 +98,7 @@ LoopVerifier::LoopVerifier(const Calibration& calibration, const DescriptorKind&
       kind_(kind),
       camera_{calibration.colour.pinhole().half(), calibration.T_colour_depth},
       depth_camera_(calibration.depth.pinhole().half().half()),
+      readout_s_(calibration.readout_s),
       cpu_(exec::Device::cpu(1)),
       surfaces_(depth_camera_) {}
 
@@ -136,8 +138,11 @@ LoopClosure LoopVerifier::verify(const Place& place_from, const Place& place_to)
   if (refined.status == FeatureStatus::kReprojectionError) return reject(LoopVerdict::kReprojection);
   if (refined.status != FeatureStatus::kOk) return reject(LoopVerdict::kUnconstrained);
 
-  const KeptPlaceSurface surface_from(cpu_, from.depth, depth_camera_),
-      surface_to(cpu_, to.depth, depth_camera_);
+  const auto surface_of = [this](const Keyframe& keyframe) {
+    return KeptPlaceSurface(cpu_, keyframe.depth, depth_camera_,
+                            row_motion(keyframe.velocity, readout_s_, depth_camera_));
+  };
+  const KeptPlaceSurface surface_from = surface_of(from), surface_to = surface_of(to);
   const auto feature_terms = [&](const Pose& T, Matrix6d* A, Vector6d* b) {
     const FeatureEquations sums =
         feature_equations(features_from, features_to, refined.inlier_matches, T, camera_);

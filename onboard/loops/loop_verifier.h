@@ -43,6 +43,7 @@ class LoopVerifier {
   DescriptorKind kind_;
   FeatureCamera camera_;
   PinholeParams depth_camera_;  // of a keyframe's depth
+  double readout_s_;
   exec::Device cpu_;
   SurfaceAligner surfaces_;
 };

@@ -73,7 +73,8 @@ void PlaceRecogniser::follow(const StampedPose& pose) {
 }
 
 std::vector<PlaceRecogniser::Findings> PlaceRecogniser::next(const FrameMaps& maps, const Image<Rgb8>& colour,
-                                                             const StampedPose& pose) {
+                                                             const StampedPose& pose,
+                                                             const FrameMotion& motion) {
   ++frame_;
   if (!config_.enabled) return {};
   if (pose.status == TrackingStatus::kGood) {
@@ -83,7 +84,8 @@ std::vector<PlaceRecogniser::Findings> PlaceRecogniser::next(const FrameMaps& ma
         movement(last_keyframe_->T_odom_camera.inverse() * pose.T_odom_camera) >= config_.keyframe_distance;
     if (is_new && maps.has_colour) {
       last_keyframe_ = pose;
-      Job job{frame_ + kFramesToResult, KeyframeMaker::images_of(maps, colour, pose), way_m_, covariance_};
+      Job job{frame_ + kFramesToResult, KeyframeMaker::images_of(maps, colour, pose, motion), way_m_,
+              covariance_};
       const std::lock_guard lock(mutex_);
       jobs_.push_back(std::move(job));
       changed_.notify_all();

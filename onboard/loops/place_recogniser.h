@@ -38,11 +38,12 @@ class PlaceRecogniser {
     std::vector<LoopClosure> candidates;
   };
 
-  /// Hands over the next frame, `colour` as recorded; a good one whose camera moved far enough becomes a
-  /// keyframe, which is worked on by a thread of its own. Returns what became of earlier keyframes: always
-  /// the same so many frames later, however fast the thread is, and waits for it where it is late. Throws
-  /// what went wrong in it.
-  std::vector<Findings> next(const FrameMaps& maps, const Image<Rgb8>& colour, const StampedPose& pose);
+  /// Hands over the next frame of a camera in `motion`, `colour` as recorded; a good one whose camera moved
+  /// far enough becomes a keyframe, which is worked on by a thread of its own. Returns what became of earlier
+  /// keyframes: always the same so many frames later, however fast the thread is, and waits for it where it
+  /// is late. Throws what went wrong in it.
+  std::vector<Findings> next(const FrameMaps& maps, const Image<Rgb8>& colour, const StampedPose& pose,
+                             const FrameMotion& motion = {});
 
   /// What is left; waits for it.
   std::vector<Findings> finish();

@@ -40,8 +40,9 @@ constexpr float kBeforeSigmas = 6, kBefore_m = 0.05f;
 }  // namespace
 
 KeptPlaceSurface::KeptPlaceSurface(const exec::Device& cpu, const Image<uint16_t>& depth_mm,
-                                   const PinholeParams& of)
+                                   const PinholeParams& of, const RowMotion& of_rows)
     : camera(of),
+      shutter(of_rows),
       depth(static_cast<size_t>(DepthView::padded_size(of.width, of.height))),
       normals(static_cast<size_t>(of.pixel_count())),
       points(static_cast<size_t>(of.pixel_count())) {
@@ -58,7 +59,13 @@ KeptPlaceSurface::KeptPlaceSurface(const exec::Device& cpu, const Image<uint16_t
                        ComputeNormal{view, camera, kNormalStep_px, max_slope, normals.data()});
   exec::for_each_pixel(cpu, camera.width, camera.height,
                        UnprojectDepth{view, camera, normals.data(), points.data()});
-  for (const Vec4f& point : points) points_seen += point.w > 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    Vec4f& point = points[i];
+    const auto row = static_cast<float>(static_cast<int>(i) / camera.width);
+    const Vec3f settled = shutter.to_middle({point.x, point.y, point.z}, row);
+    if (point.w > 0) point = {settled.x, settled.y, settled.z, point.w};
+    points_seen += point.w > 0;
+  }
 }
 
 SurfaceAligner::SurfaceAligner(const PinholeParams& camera)
@@ -70,7 +77,7 @@ SurfaceAlignment SurfaceAligner::align(const KeptPlaceSurface& from, const KeptP
   result.T_from_to = T_from_to_guess;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const PointToPlane cost{{to.depth_view(), to.normals.data(), to.camera, to_rigid3f(result.T_from_to),
-                             from.camera, from.points.data(), from.normals.data()},
+                             from.camera, from.points.data(), from.normals.data(), to.shutter},
                             iteration < kFirstIterations ? kFirstDistance_m : kDistance_m,
                             static_cast<float>(std::cos(kNormalAngle)),
                             kSigmaScale,

@@ -8,6 +8,7 @@
 #include "onboard/preprocess/depth_map.h"
 #include "shared/core/image.h"
 #include "shared/core/pinhole.h"
+#include "shared/core/row_motion.h"
 #include "shared/exec/normal_equations.h"
 #include "shared/geometry/se3.h"
 
@@ -15,13 +16,15 @@ namespace kt {
 
 /// The measured surface of a keyframe in host memory.
 struct KeptPlaceSurface {
-  /// From a keyframe's depth image (mm; 0 = none; may be empty), seen by `camera`.
-  KeptPlaceSurface(const exec::Device& cpu, const Image<uint16_t>& depth, const PinholeParams& camera);
+  /// From a keyframe's depth image (mm; 0 = none; may be empty), seen by `camera` with `shutter`.
+  KeptPlaceSurface(const exec::Device& cpu, const Image<uint16_t>& depth, const PinholeParams& camera,
+                   const RowMotion& shutter = {});
 
   PinholeParams camera;
-  std::vector<float> depth;  ///< m, bordered
-  std::vector<Vec4f> normals, points;
-  int64_t points_seen = 0;  ///< those with a normal
+  RowMotion shutter;
+  std::vector<float> depth;            ///< m, bordered
+  std::vector<Vec4f> normals, points;  ///< the points as a global shutter would have seen them
+  int64_t points_seen = 0;             ///< those with a normal
   DepthView depth_view() const { return {depth.data(), camera.width, camera.height}; }
 };
 

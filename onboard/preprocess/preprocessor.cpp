@@ -97,6 +97,7 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
 
   maps_.timestamp_us = frame.timestamp_us;
   maps_.colour_timestamp_us = frame.colour_timestamp_us;
+  maps_.readout_s = calibration_.readout_s;
   raw_depth_.upload(frame.depth.pixels());
   exec::for_each_pixel(
       device_, camera_.width, camera_.height,

@@ -50,6 +50,7 @@ struct FrameMaps {
   exec::Buffer<uint32_t> registered_colour;
   IntensityPyramid intensity;  ///< of the colour camera; of an earlier frame without colour
   bool has_colour = false;
+  double readout_s = 0;  ///< as Calibration::readout_s
 };
 
 class Preprocessor {

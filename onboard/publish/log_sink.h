@@ -26,9 +26,9 @@ class LogSink final : public MessageSink {
   struct Options {
     bool overwrite = false;     ///< replace an existing log
     FrameCompression frames{};  ///< of raw frames
-    /// A slice of more triangles, or three times as many vertices, is logged in parts: no message may be
-    /// larger than kMaxMessageBytes.
-    size_t max_slice_triangles = 7'000'000;
+    /// A slice of more triangles, or three times as many vertices, is logged in parts: LCM's own tools play
+    /// no message beyond 256 MiB.
+    size_t max_slice_triangles = 1'900'000;
   };
 
   /// Creates the log. Throws kt::Error as EventLogWriter does.

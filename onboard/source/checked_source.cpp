@@ -16,6 +16,9 @@ namespace {
 // A pause longer than this is not believed before the next frame: a wrong stamp costs itself and no more.
 constexpr int64_t kMaxJump_us = 10'000'000;
 
+// While a live source has no frames: minutes of an inertial unit's samples, more than the tracking keeps.
+constexpr size_t kMaxWaitingSamples = 50'000;
+
 std::string seconds(int64_t stamp_us) { return std::to_string(static_cast<double>(stamp_us) * 1e-6) + " s"; }
 
 SourceItem skipped(const RgbdFrame& frame, const std::string& problem) {
@@ -48,12 +51,17 @@ SourceItem CheckedSource::next() {
     switch (item.kind) {
       case SourceItem::Kind::kSkipped:
       case SourceItem::Kind::kSkippedMotion:
+      case SourceItem::Kind::kNothingYet:
         return item;
       case SourceItem::Kind::kFrame:
         judge_stamp(std::move(item.frame));
         break;
       case SourceItem::Kind::kMotion:
-        (held_ ? samples_behind_held_ : samples_).push_back(item.motion);
+        keep_sample(item.motion);
+        break;
+      case SourceItem::Kind::kInterrupted:
+        release_last();
+        ready_.push_back(std::move(item));
         break;
       case SourceItem::Kind::kEnd:
         release_last();
@@ -64,6 +72,16 @@ SourceItem CheckedSource::next() {
   SourceItem item = std::move(ready_.front());
   ready_.pop_front();
   return item;
+}
+
+void CheckedSource::keep_sample(const MotionSample& sample) {
+  std::deque<MotionSample>& samples = held_ ? samples_behind_held_ : samples_;
+  samples.push_back(sample);
+  if (samples.size() <= kMaxWaitingSamples) return;
+  ready_.push_back({.kind = SourceItem::Kind::kSkippedMotion,
+                    .reason = "motion sample at " + seconds(samples.front().timestamp_us) +
+                              ": no frame came for too long"});
+  samples.pop_front();
 }
 
 SourceItem CheckedSource::read() {

@@ -6,7 +6,6 @@
 #include <deque>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "onboard/source/frame_source.h"
 
@@ -21,11 +20,14 @@ namespace kt {
 /// frame, not all that follow; a real pause costs none but where the recording ends with it. What is skipped
 /// meanwhile is told before the waiting frame.
 ///
+/// Where the camera is gone, what waits is decided on as at the end, and told before the word of it.
+///
 /// Motion samples keep their place among the frames, so they wait for the next frame that passes. Skipped are
 /// those with values that no message can hold, that measure no motion, of another kind than the first that
 /// passed, with a stamp not after that of the sample before, or more than 10 s after the frame that they wait
 /// for; behind the last frame the latter are believed. They are no frames: the word is kSkippedMotion.
-/// Samples that pass are numbered from 0 without gaps.
+/// Samples that pass are numbered from 0 without gaps. Where no frame comes for minutes the oldest waiting
+/// samples are skipped.
 class CheckedSource final : public FrameSource {
  public:
   /// `calibration`, where given, replaces the source's own. Throws kt::Error where the one used makes no
@@ -42,6 +44,7 @@ class CheckedSource final : public FrameSource {
   SourceItem read();
   std::string image_problem(const RgbdFrame& frame) const;
   void judge_stamp(RgbdFrame frame);
+  void keep_sample(const MotionSample& sample);
   /// Decides on what waits at the end.
   void release_last();
   void accept(RgbdFrame frame);
@@ -52,10 +55,10 @@ class CheckedSource final : public FrameSource {
   std::unique_ptr<FrameSource> source_;
   Calibration calibration_;
   int64_t delivered_ = 0;
-  std::optional<int64_t> last_us_;     ///< stamp of the last frame that passed
-  std::optional<RgbdFrame> held_;      ///< waits for the next frame to confirm its stamp
-  std::vector<MotionSample> samples_;  ///< read since the last frame that passed, before held_
-  std::vector<MotionSample> samples_behind_held_;
+  std::optional<int64_t> last_us_;    ///< stamp of the last frame that passed
+  std::optional<RgbdFrame> held_;     ///< waits for the next frame to confirm its stamp
+  std::deque<MotionSample> samples_;  ///< read since the last frame that passed, before held_
+  std::deque<MotionSample> samples_behind_held_;
   int64_t delivered_samples_ = 0;
   std::optional<MotionSample> last_sample_;  ///< that passed
   std::deque<SourceItem> ready_;  ///< judged but not yet handed out: three frames at most, and samples

@@ -24,7 +24,6 @@ class LogSource final : public FrameSource {
     reader_.skip<CloudSlice>();
     reader_.skip<Keyframe>();
     reader_.skip<LoopClosure>();
-    reader_.skip<MissionStatus>();
     if (!read_frame()) {
       throw Error(name_ + (frames().damaged > 0
                                ? ": all of its raw frames are damaged"
@@ -33,10 +32,10 @@ class LogSource final : public FrameSource {
   }
 
   SourceItem next() override {
-    if (motion_.empty() && !frame_ && !at_end_) read_frame();
-    if (!motion_.empty()) {
-      SourceItem item = std::move(motion_.front());
-      motion_.pop_front();
+    if (before_.empty() && !frame_ && !at_end_) read_frame();
+    if (!before_.empty()) {
+      SourceItem item = std::move(before_.front());
+      before_.pop_front();
       return item;
     }
     if (lost_ > 0) {
@@ -65,15 +64,15 @@ class LogSource final : public FrameSource {
     const int64_t missing = reader_.channels()[message_index<MotionSample>()].missing;
     for (int64_t lost = std::min(missing - std::exchange(missing_motion_, missing), kMaxGap); lost > 0;
          --lost) {
-      motion_.push_back({.kind = SourceItem::Kind::kSkippedMotion,
+      before_.push_back({.kind = SourceItem::Kind::kSkippedMotion,
                          .reason = name_ + ": a motion sample before number " +
                                    std::to_string(sample.sequence) + " is damaged or missing"});
     }
-    motion_.push_back({.kind = SourceItem::Kind::kMotion, .motion = sample});
+    before_.push_back({.kind = SourceItem::Kind::kMotion, .motion = sample});
   }
 
-  // Reads up to the next intact frame, keeps the motion samples on the way, and notes how many frames were
-  // lost; false at the end.
+  // Reads up to the next intact frame, keeps what else the mission must know on the way, and notes how many
+  // frames were lost; false at the end.
   bool read_frame() {
     const int64_t missing = frames().missing, damaged = frames().damaged;
     const LogIntegrity before = reader_.integrity();
@@ -83,6 +82,10 @@ class LogSource final : public FrameSource {
         calibration_ = session->calibration;
       } else if (const auto* sample = std::get_if<MotionSample>(&*message)) {
         add_motion(*sample);
+      } else if (const auto* status = std::get_if<MissionStatus>(&*message)) {
+        // The camera was gone then: the mission that is played again must know it.
+        if (status->cause == TrackingCause::kNoFrames)
+          before_.push_back({.kind = SourceItem::Kind::kInterrupted, .reason = name_ + ": no frames"});
       } else if (const auto* frame = std::get_if<CompressedFrame>(&*message)) {
         frame_ = *frame;
         // The gap in the sequence numbers holds the damaged ones too.
@@ -102,7 +105,7 @@ class LogSource final : public FrameSource {
   std::string name_;
   MessageReader reader_;
   std::optional<CompressedFrame> frame_;  ///< read but not yet handed out
-  std::deque<SourceItem> motion_;         ///< read before it, to be handed out first
+  std::deque<SourceItem> before_;         ///< read before it, to be handed out first
   int64_t missing_motion_ = 0;            ///< as the reader counts them, so far
   int64_t lost_ = 0;                      ///< frames before it, or before the end, still to be reported
   std::string reason_;                    ///< of those

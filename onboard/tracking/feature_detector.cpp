@@ -31,17 +31,21 @@ FeatureDetector::FeatureDetector(const exec::Device& device, const Calibration& 
     : T_colour_depth_(calibration.T_colour_depth),
       corners_(corner_detector(device, calibration.colour.pinhole().half())) {}
 
-std::vector<Feature> FeatureDetector::detect(const FrameMaps& maps) {
+std::vector<Feature> FeatureDetector::detect(const FrameMaps& maps, const FrameMotion& motion) {
   if (!maps.has_colour) return {};
   const SurfaceLevel& surface = maps.levels[1];
+  const Pose T_colour_depth = T_colour_depth_ * motion.T_depth_colour_time().inverse();
   std::array<CornerLevel, kIntensityLevels> levels;
   for (int level = 0; level < kIntensityLevels; ++level) {
     const IntensityLevel& intensity = maps.intensity.level(level);
     levels[static_cast<size_t>(level)] = {
         intensity.view(),
-        {intensity.camera, surface.depth_view(), surface.camera, to_rigid3f(T_colour_depth_),
-         to_rigid3f(T_colour_depth_.inverse())}};
+        {intensity.camera, surface.depth_view(), surface.camera, to_rigid3f(T_colour_depth),
+         to_rigid3f(T_colour_depth.inverse()), motion.colour_rows(intensity.camera, T_colour_depth_),
+         motion.depth_rows(surface.camera)}};
   }
+  const Rigid3f T_colour = to_rigid3f(T_colour_depth_);
+  const PinholeParams& finest = maps.intensity.level(0).camera;
   std::vector<Feature> features;
   for (const auto& [found, level] : corners_.detect(levels)) {
     const double scale = 1 << level;
@@ -49,6 +53,10 @@ std::vector<Feature> FeatureDetector::detect(const FrameMaps& maps) {
     feature.pixel = {scale * (static_cast<double>(found.u) + 0.5) - 0.5,
                      scale * (static_cast<double>(found.v) + 0.5) - 0.5};
     feature.p_camera = {found.p_camera.x, found.p_camera.y, found.p_camera.z};
+    if (!motion.is_still()) {
+      const Vec3f c = T_colour * found.p_camera;
+      feature.pixel = {finest.project_u(c), finest.project_v(c)};
+    }
     feature.level = level;
     for (size_t word = 0; word < feature.descriptor.size(); ++word) {
       feature.descriptor[word] =

@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "onboard/preprocess/frame_motion.h"
 #include "onboard/preprocess/preprocessor.h"
 #include "onboard/tracking/corner_detector.h"
 
@@ -24,8 +25,9 @@ class FeatureDetector {
  public:
   FeatureDetector(const exec::Device& device, const Calibration& calibration);
 
-  /// Features in a fixed order; none where the frame has no colour.
-  std::vector<Feature> detect(const FrameMaps& maps);
+  /// Features in a fixed order, as a global shutter would have seen them (SettledPoints); none where the
+  /// frame has no colour.
+  std::vector<Feature> detect(const FrameMaps& maps, const FrameMotion& motion = {});
 
  private:
   Pose T_colour_depth_;

@@ -6,6 +6,7 @@
 
 #include "onboard/preprocess/depth_map.h"
 #include "onboard/preprocess/intensity_kernel.h"
+#include "shared/core/row_motion.h"
 
 namespace kt {
 
@@ -88,17 +89,22 @@ struct SurfaceBehind {
   PinholeParams camera;  // colour, of any level
   DepthView depth;       // of any level; null where there is none
   PinholeParams depth_camera;
+  /// From the depth camera at the middle row of its image to the colour camera at that of its own, and back.
   Rigid3f T_colour_depth, T_depth_colour;
+  RowMotion colour_rows{}, depth_rows{};
 
-  /// The point of the surface that a pixel of the colour camera shows: the ray of the pixel is followed
-  /// through the depth image until both agree. False at holes, and beside edges of depth, where nobody knows.
+  /// The point of the surface that a pixel of the colour camera shows, in the depth camera at the middle row
+  /// of its image: the ray of the pixel is followed through the depth image until both agree. False at holes,
+  /// and beside edges of depth, where nobody knows.
   KT_HOST_DEVICE bool find(float u, float v, Vec3f* p_camera) const {
     constexpr int kRounds = 5;
     constexpr float kAgreement_px = 1.0f;
     const Vec3f ray = camera.unproject(u, v, 1.0f);
     float z_colour = 2.0f;
     for (int round = 0; round < kRounds; ++round) {
-      const Vec3f guess = T_depth_colour * (ray * z_colour);
+      const Vec3f settled = T_depth_colour * colour_rows.to_middle(ray * z_colour, v);
+      if (settled.z <= 0.05f) return false;
+      const Vec3f guess = depth_rows.to_row(settled, depth_camera.project_v(settled));
       if (guess.z <= 0.05f) return false;
       const float du = depth_camera.project_u(guess) + 0.5f, dv = depth_camera.project_v(guess) + 0.5f;
       if (!(du >= 1.0f && dv >= 1.0f && du < static_cast<float>(depth.width - 1) &&
@@ -107,11 +113,11 @@ struct SurfaceBehind {
       const int pu = static_cast<int>(du), pv = static_cast<int>(dv);
       const float z = depth.at(pu, pv);
       if (z <= 0.0f) return false;
-      *p_camera = depth_camera.unproject(du - 0.5f, dv - 0.5f, z);
-      z_colour = (T_colour_depth * *p_camera).z;
+      *p_camera = depth_rows.to_middle(depth_camera.unproject(du - 0.5f, dv - 0.5f, z), dv - 0.5f);
+      z_colour = colour_rows.to_row(T_colour_depth * *p_camera, v).z;
       if (round + 1 == kRounds && is_beside_edge(pu, pv, z)) return false;
     }
-    const Vec3f p_colour = T_colour_depth * *p_camera;
+    const Vec3f p_colour = colour_rows.to_row(T_colour_depth * *p_camera, v);
     return p_colour.z > 0.05f && fabsf(camera.project_u(p_colour) - u) < kAgreement_px &&
            fabsf(camera.project_v(p_colour) - v) < kAgreement_px;
   }

@@ -4,6 +4,7 @@
 
 #include "onboard/preprocess/depth_map.h"
 #include "shared/core/pinhole.h"
+#include "shared/core/row_motion.h"
 #include "shared/exec/normal_equations.h"
 
 namespace kt {
@@ -17,6 +18,13 @@ struct ProjectiveAssociation {
   PinholeParams model_camera;
   const Vec4f* model_points;  // in the model camera
   const Vec4f* model_normals;
+  RowMotion shutter{};  // of `camera`
+
+  /// The point of a pixel with depth z, in the camera at the time of the middle row.
+  KT_HOST_DEVICE Vec3f point(int u, int v, float z) const {
+    const auto row = static_cast<float>(v);
+    return shutter.to_middle(camera.unproject(static_cast<float>(u), row, z), row);
+  }
 
   /// What the pixels of kLanes lanes met.
   template <int kLanes>
@@ -43,8 +51,7 @@ struct ProjectiveAssociation {
     }
     int32_t in_view[kLanes], m[kLanes];
     for (int l = 0; l < kLanes; ++l) {
-      const Vec3f p = T_model_current * camera.unproject(static_cast<float>(pixels.u[l]),
-                                                         static_cast<float>(pixels.v[l]), z[l]);
+      const Vec3f p = T_model_current * point(pixels.u[l], pixels.v[l], z[l]);
       const float mu = model_camera.project_u(p) + 0.5f, mv = model_camera.project_v(p) + 0.5f;
       in_view[l] = (valid[l] > 0.0f) & (p.z > 0.05f) & (mu >= 0.0f) & (mv >= 0.0f) &
                    (mu < static_cast<float>(model_camera.width)) &
@@ -128,9 +135,7 @@ struct JudgePixel {
     const ProjectiveAssociation& pairs = cost.association;
     if (pairs.normals[i].w <= 0.0f) return false;
     const int u = static_cast<int>(i % pairs.camera.width), v = static_cast<int>(i / pairs.camera.width);
-    const Vec3f p_model =
-        pairs.T_model_current *
-        pairs.camera.unproject(static_cast<float>(u), static_cast<float>(v), pairs.depth.at(u, v));
+    const Vec3f p_model = pairs.T_model_current * pairs.point(u, v, pairs.depth.at(u, v));
     const Vec3f p = T_middle_model * p_model;
     return max_of(max_of(fabsf(p.x), fabsf(p.y)), fabsf(p.z)) < half_edge_m;
   }

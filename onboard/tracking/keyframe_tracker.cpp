@@ -23,13 +23,14 @@ KeyframeTracker::KeyframeTracker(const exec::Device& device, const Calibration& 
       surfaces_(device, calibration, int64_t{config.max_keyframes} + 1),  // a new one comes before one goes
       store_(config.max_keyframes) {}
 
-void KeyframeTracker::look_at(const FrameMaps& maps) {
+void KeyframeTracker::look_at(const FrameMaps& maps, const FrameMotion& motion) {
   maps_ = &maps;
+  motion_ = motion;
   features_.reset();
 }
 
 const std::vector<Feature>& KeyframeTracker::features() {
-  if (!features_) features_ = detector_.detect(*maps_);
+  if (!features_) features_ = detector_.detect(*maps_, motion_);
   return *features_;
 }
 

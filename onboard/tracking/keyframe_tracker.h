@@ -22,8 +22,9 @@ class KeyframeTracker {
     Pose T_odom_camera = Pose::Identity();
   };
 
-  /// The frame that the next calls are about. Its features are found when they are first needed.
-  void look_at(const FrameMaps& maps);
+  /// The frame that the next calls are about, of a camera in `motion` as far as that is known before it is
+  /// tracked. Its features are found when they are first needed.
+  void look_at(const FrameMaps& maps, const FrameMotion& motion = {});
 
   int feature_count() { return static_cast<int>(features().size()); }
 
@@ -50,6 +51,7 @@ class KeyframeTracker {
   SurfaceMemory surfaces_;
   KeyframeStore store_;
   const FrameMaps* maps_ = nullptr;
+  FrameMotion motion_;
   std::optional<std::vector<Feature>> features_;  // of maps_
 };
 

@@ -78,13 +78,13 @@ void Odometry::remember(const FrameMaps& maps, const ModelView& model) {
   const bool is_near =
       is_within(T_reference_model, config_.reference_distance_m, config_.reference_angle_deg * kDegree);
   if (is_near && !reference_.is_empty()) return;
-  reference_.take(maps, model, shutter_motion(maps, velocity_));
+  reference_.take(maps, model, FrameMotion(maps, steady_velocity_));
   exposure_ = {};
 }
 
 StampedPose Odometry::track(const FrameMaps& maps, const ModelView* model, const PredictSurface& predict,
                             const FindPlace& find_place, int64_t sequence) {
-  keyframes_.look_at(maps);
+  keyframes_.look_at(maps, FrameMotion(maps, steady_velocity_));
   tried_fallbacks_ = false;
   if (!model) return start_segment(maps, sequence);
   motion_ = motion_prior_.between(last_good_.timestamp_us, maps.timestamp_us);
@@ -117,7 +117,7 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
   const double dt_s = seconds(last_good_.timestamp_us, maps.timestamp_us);
   const auto guess_at = [&](const Pose& T_odom_camera) {
     TrackGuess guess{T_odom_camera, exposure_};
-    guess.velocity = log_se3(T_odom_last.inverse() * T_odom_camera) / dt_s;
+    guess.approach = {T_odom_last, velocity_, dt_s};
     if (motion_) {
       guess.T_odom_motion = T_odom_last * sensed_motion(T_odom_last.inverse() * T_odom_camera);
       guess.motion_information = transported(motion_->information, T_odom_last.inverse());
@@ -369,6 +369,8 @@ StampedPose Odometry::conclude(const FrameMaps& maps, const Estimate& estimate, 
           edge_information(estimate.information, motion_ ? motion_->information : Matrix6d(Matrix6d::Zero()),
                            last_good_.T_odom_camera.inverse() * pose.T_odom_camera, dt_s);
     }
+    const Approach approach{last_good_.T_odom_camera, velocity_, is_followed ? dt_s : 0};
+    steady_velocity_ = approach.velocity_at(pose.T_odom_camera);
     velocity_ = is_followed
                     ? Vector6d(log_se3(last_good_.T_odom_camera.inverse() * pose.T_odom_camera) / dt_s)
                     : Vector6d(Vector6d::Zero());

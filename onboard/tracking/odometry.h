@@ -48,6 +48,9 @@ class Odometry {
   bool tried_fallbacks() const { return tried_fallbacks_; }
   /// Sequence and pose of the last good frame.
   const StampedPose& last_good() const { return last_good_; }
+  /// Of the camera at the last good frame, in its own frame, [rad/s; m/s]; the mean of two motions
+  /// (Approach).
+  const Vector6d& velocity() const { return steady_velocity_; }
 
  private:
   /// A pose with all that is known of it.
@@ -109,7 +112,8 @@ class Odometry {
   TrackResult result_;
   std::optional<RelativeMotion> motion_;  // what another sensor says, from the last good frame to this one
   StampedPose last_good_;
-  Vector6d velocity_ = Vector6d::Zero();  // of the camera in its own frame, per second
+  Vector6d velocity_ = Vector6d::Zero();         // of the camera in its own frame, per second
+  Vector6d steady_velocity_ = Vector6d::Zero();  // as velocity() says
   std::optional<Candidate> candidate_;
   int segments_ = 0;
   int64_t last_us_ = 0, last_interval_us_ = 0;

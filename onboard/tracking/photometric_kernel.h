@@ -5,6 +5,7 @@
 
 #include "onboard/preprocess/depth_map.h"
 #include "onboard/preprocess/intensity_kernel.h"
+#include "shared/core/row_motion.h"
 #include "shared/exec/normal_equations.h"
 
 namespace kt {
@@ -26,6 +27,7 @@ struct PhotometricImage {
   Exposure exposure;
   float sigma;          // grey levels
   float cauchy_sigmas;  // scale of the robust loss in sigma
+  RowMotion shutter{};  // of `camera`
 
   /// One photometric residual (Steinbruecker et al. 2011; Kerl et al. 2013) of the left perturbation xi =
   /// [omega; v] of T_model_current, for a point with intensity I_r in the reference, at q in the model and at
@@ -40,9 +42,11 @@ struct PhotometricImage {
     int32_t in_front[kLanes];
     for (int l = 0; l < kLanes; ++l) {
       in_front[l] = c.z[l] > 0.05f;
-      inverse_z[l] = 1.0f / (in_front[l] ? c.z[l] : 1.0f);
-      u[l] = c.x[l] * inverse_z[l] * camera.fx + camera.cx;
-      v[l] = c.y[l] * inverse_z[l] * camera.fy + camera.cy;
+      const float row = c.y[l] / (in_front[l] ? c.z[l] : 1.0f) * camera.fy + camera.cy;
+      const Vec3f seen_at = shutter.to_row(c.at(l), row);
+      inverse_z[l] = 1.0f / (in_front[l] ? seen_at.z : 1.0f);
+      u[l] = seen_at.x * inverse_z[l] * camera.fx + camera.cx;
+      v[l] = seen_at.y * inverse_z[l] * camera.fy + camera.cy;
     }
     IntensityView::Samples<kLanes> seen;
     intensity.sample(u, v, &seen);
@@ -140,6 +144,7 @@ struct RatePhotometricPoint {
   float min_gradient;       // grey levels per pixel
   Vec4f* candidates;        // out: point and its intensity
   uint8_t* picked;          // out: 1 where it is one
+  RowMotion shutter{};      // of `camera`
 
   KT_HOST_DEVICE void operator()(int64_t i) const {
     picked[i] = 0;
@@ -150,10 +155,11 @@ struct RatePhotometricPoint {
     if ((model.w <= 0.0f && z <= 0.0f) || is_beside_edge(u, v, z)) return;
     const Vec3f p =
         model.w > 0.0f ? xyz(model) : depth_camera.unproject(static_cast<float>(u), static_cast<float>(v), z);
-    const Vec3f c = T_colour_depth * p;
+    const Vec3f middle = T_colour_depth * p;
+    if (middle.z <= 0.05f) return;
+    const Vec3f c = shutter.to_row(middle, camera.project_v(middle));
     float level, by_u, by_v;
-    if (c.z <= 0.05f || !intensity.sample(camera.project_u(c), camera.project_v(c), &level, &by_u, &by_v))
-      return;
+    if (!intensity.sample(camera.project_u(c), camera.project_v(c), &level, &by_u, &by_v)) return;
     if (by_u * by_u + by_v * by_v < min_gradient * min_gradient) return;
     candidates[i] = {p.x, p.y, p.z, level};
     picked[i] = 1;

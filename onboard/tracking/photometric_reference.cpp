@@ -25,7 +25,7 @@ PhotometricReference::PhotometricReference(const exec::Device& device, const Cal
       indices_(device, model_pixels),
       points_{exec::Buffer<Vec4f>(device, model_pixels), exec::Buffer<Vec4f>(device, model_pixels)} {}
 
-void PhotometricReference::take(const FrameMaps& maps, const ModelView& model, const Pose& T_camera_shutter) {
+void PhotometricReference::take(const FrameMaps& maps, const ModelView& model, const FrameMotion& motion) {
   T_odom_reference_ = model.T_odom_camera;
   counts_ = {};
   if (!maps.has_colour) return;
@@ -37,8 +37,9 @@ void PhotometricReference::take(const FrameMaps& maps, const ModelView& model, c
     exec::for_each(
         device_, pixels,
         RatePhotometricPoint{model.points.data(), measured.depth_view(), measured.camera, 1 << level,
-                             to_rigid3f(T_colour_depth_ * T_camera_shutter.inverse()), intensity.view(),
-                             intensity.camera, kMinGradient, candidates_.data(), picked_.data()});
+                             to_rigid3f(T_colour_depth_ * motion.T_depth_colour_time().inverse()),
+                             intensity.view(), intensity.camera, kMinGradient, candidates_.data(),
+                             picked_.data(), motion.colour_rows(intensity.camera, T_colour_depth_)});
     const int64_t count = exec::compact_flags(device_, picked_.data(), pixels, indices_.data());
     exec::Buffer<Vec4f>& points = points_[static_cast<size_t>(level)];
     exec::for_each(device_, count,
@@ -49,12 +50,13 @@ void PhotometricReference::take(const FrameMaps& maps, const ModelView& model, c
 
 PhotometricResidual PhotometricReference::residual(const FrameMaps& maps, int level, const Pose& T_odom_model,
                                                    const Pose& T_model_current, const Exposure& exposure,
-                                                   float sigma, const Pose& T_camera_shutter) const {
+                                                   float sigma, const FrameMotion& motion) const {
   const IntensityLevel& intensity = maps.intensity.level(level);
   return {points_[static_cast<size_t>(level)].data(),
           to_rigid3f(T_odom_model.inverse() * T_odom_reference_),
-          to_rigid3f(T_colour_depth_ * (T_model_current * T_camera_shutter).inverse()),
-          {intensity.view(), intensity.camera, exposure, sigma, kCauchySigmas}};
+          to_rigid3f(T_colour_depth_ * (T_model_current * motion.T_depth_colour_time()).inverse()),
+          {intensity.view(), intensity.camera, exposure, sigma, kCauchySigmas,
+           motion.colour_rows(intensity.camera, T_colour_depth_)}};
 }
 
 }  // namespace kt

@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "onboard/preprocess/frame_motion.h"
 #include "onboard/preprocess/model_view.h"
 #include "onboard/preprocess/preprocessor.h"
 #include "onboard/tracking/photometric_kernel.h"
@@ -16,9 +17,8 @@ class PhotometricReference {
   /// For model views of `model_pixels` pixels.
   PhotometricReference(const exec::Device& device, const Calibration& calibration, int64_t model_pixels);
 
-  /// Takes a fused frame and the model view predicted from its pose. `T_camera_shutter` is the pose of the
-  /// depth camera at the time of the colour image, in the depth camera at the time of the depth image.
-  void take(const FrameMaps& maps, const ModelView& model, const Pose& T_camera_shutter = Pose::Identity());
+  /// Takes a fused frame and the model view predicted from its pose; `motion` is that of its camera.
+  void take(const FrameMaps& maps, const ModelView& model, const FrameMotion& motion = {});
 
   /// As if nothing had been taken.
   void forget() { counts_ = {}; }
@@ -29,10 +29,10 @@ class PhotometricReference {
   const Pose& T_odom_reference() const { return T_odom_reference_; }
 
   /// Residuals of a frame at intensity level `level`, for the model view whose camera stands at T_odom_model;
-  /// `sigma` is their expected size (grey levels), `T_camera_shutter` as for take.
+  /// `sigma` is their expected size (grey levels), `motion` as for take.
   PhotometricResidual residual(const FrameMaps& maps, int level, const Pose& T_odom_model,
                                const Pose& T_model_current, const Exposure& exposure, float sigma,
-                               const Pose& T_camera_shutter = Pose::Identity()) const;
+                               const FrameMotion& motion = {}) const;
 
  private:
   exec::Device device_;

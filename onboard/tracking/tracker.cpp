@@ -120,11 +120,11 @@ Vector6d solve(const JointEquations& equations, double weights, double min_eigen
   return scale.asDiagonal() * step;
 }
 
-PointToPlane cost(const TrackingConfig& config, const FrameMaps& maps, const ModelView& model, int level,
-                  const Pose& T_model_current) {
+PointToPlane cost(const TrackingConfig& config, const FrameMaps& maps, const FrameMotion& motion,
+                  const ModelView& model, int level, const Pose& T_model_current) {
   const SurfaceLevel& surface = maps.levels[static_cast<size_t>(level)];
   return {{surface.depth_view(), surface.normals.data(), surface.camera, to_rigid3f(T_model_current),
-           model.camera, model.points.data(), model.normals.data()},
+           model.camera, model.points.data(), model.normals.data(), motion.depth_rows(surface.camera)},
           static_cast<float>(config.max_distance_m),
           static_cast<float>(std::cos(config.max_normal_angle_deg * kDegree)),
           static_cast<float>(1 << level),
@@ -132,6 +132,11 @@ PointToPlane cost(const TrackingConfig& config, const FrameMaps& maps, const Mod
 }
 
 }  // namespace
+
+Vector6d Approach::velocity_at(const Pose& T_odom_camera) const {
+  if (dt_s <= 0) return Vector6d::Zero();
+  return 0.5 * (velocity + log_se3(T_odom_last.inverse() * T_odom_camera) / dt_s);
+}
 
 Tracker::Tracker(const exec::Device& device, const Calibration& calibration, const TrackingConfig& config)
     : device_(device),
@@ -144,7 +149,7 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
   constexpr int64_t kFewestPixels = 200;
   const bool has_colour =
       reference && maps.has_colour && !reference->is_empty() && config_.photometric_weight > 0;
-  const Pose T_camera_shutter = shutter_motion(maps, guess.velocity);
+  FrameMotion motion;
   const Pose T_model_motion = model.T_odom_camera.inverse() * guess.T_odom_motion;
   const Matrix6d motion_information = transported(guess.motion_information, model.T_odom_camera);
   const bool has_motion = !guess.motion_information.isZero(0);
@@ -156,8 +161,9 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
   Matrix6d held = Matrix6d::Identity();
   double sigma = kFirstSigma;
   for (int level = kPyramidLevels - 1; level >= 0; --level) {
+    motion = FrameMotion(maps, guess.approach.velocity_at(model.T_odom_camera * T_model_current));
     for (int iteration = 0; iteration < config_.iterations[static_cast<size_t>(level)]; ++iteration) {
-      const PointToPlane point_to_plane = cost(config_, maps, model, level, T_model_current);
+      const PointToPlane point_to_plane = cost(config_, maps, motion, model, level, T_model_current);
       const auto started_geometric = exec::start_normal_equations(
           device_, point_to_plane.association.camera.pixel_count(), point_to_plane, geometric_workspace_);
       // Both sums at one pose: a GPU is waited for once.
@@ -166,7 +172,7 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
         const int intensity_level = level - 1;
         const PhotometricResidual residual =
             reference->residual(maps, intensity_level, model.T_odom_camera, T_model_current, result.exposure,
-                                static_cast<float>(sigma), T_camera_shutter);
+                                static_cast<float>(sigma), motion);
         started_photometric = exec::start_normal_equations(device_, reference->point_count(intensity_level),
                                                            residual, photometric_workspace_);
       }
@@ -205,13 +211,13 @@ TrackResult Tracker::track(const FrameMaps& maps, const ModelView& model,
   result.quality.residual_m = std::sqrt(geometric.weighted_squares / geometric.weights);
   result.information =
       held * (joint.A_geometric + kPhotometricTrust * joint.A_photometric) * held.transpose();
-  judge(maps, model, T_model_current, &result);
+  judge(maps, motion, model, T_model_current, &result);
   return result;
 }
 
-void Tracker::judge(const FrameMaps& maps, const ModelView& model, const Pose& T_model_current,
-                    TrackResult* result) {
-  const JudgePixel functor{cost(config_, maps, model, kJudgedLevel, T_model_current),
+void Tracker::judge(const FrameMaps& maps, const FrameMotion& motion, const ModelView& model,
+                    const Pose& T_model_current, TrackResult* result) {
+  const JudgePixel functor{cost(config_, maps, motion, model, kJudgedLevel, T_model_current),
                            to_rigid3f(model.T_middle_camera), static_cast<float>(model.half_edge_m)};
   const exec::NormalEquations sums = exec::reduce_normal_equations(
       device_, functor.cost.association.camera.pixel_count(), functor, geometric_workspace_);
@@ -244,12 +250,6 @@ double Tracker::measured_share(const FrameMaps& maps, double beyond_m) {
     }
   }
   return static_cast<double>(measured) / static_cast<double>(normals.size());
-}
-
-Pose shutter_motion(const FrameMaps& maps, const Vector6d& velocity) {
-  constexpr double kLargestDelay_s = 0.1;  // beyond, the stamps are not of one clock
-  const double delay_s = static_cast<double>(maps.colour_timestamp_us - maps.timestamp_us) * 1e-6;
-  return std::abs(delay_s) <= kLargestDelay_s ? exp_se3(velocity * delay_s) : Pose::Identity();
 }
 
 }  // namespace kt

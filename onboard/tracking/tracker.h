@@ -39,13 +39,23 @@ struct TrackingConfig {
   double new_segment_after_s = 1.5;  ///< of usable frames without a good one: the map begins anew
 };
 
+/// How the camera came to where it is.
+struct Approach {
+  Pose T_odom_last = Pose::Identity();   ///< of the frame before
+  Vector6d velocity = Vector6d::Zero();  ///< that it came there with, in its own frame, [rad/s; m/s]
+  double dt_s = 0;                       ///< since then; 0: nothing is known, as if it stood still
+
+  /// The mean of the last two motions, the second of which ends at T_odom_camera. Of one alone, an error of a
+  /// pose would come back in the next one with the other sign, and grow: where the camera is held to be
+  /// decides how fast it seems to move, and that, by its shutter, where its pixels are.
+  Vector6d velocity_at(const Pose& T_odom_camera) const;
+};
+
 /// What is known of a frame's pose before it is looked at.
 struct TrackGuess {
   Pose T_odom_camera = Pose::Identity();
   Exposure exposure{};
-  /// Of the camera in its own frame, per second: the depth and the colour image of a frame have stamps of
-  /// their own.
-  Vector6d velocity = Vector6d::Zero();
+  Approach approach{};
   /// What another sensor says: soft term with this information of the left perturbation of T_odom_motion, in
   /// the odom frame. Zero: nothing.
   Pose T_odom_motion = Pose::Identity();
@@ -76,15 +86,12 @@ class Tracker {
   static double measured_share(const FrameMaps& maps, double beyond_m = 0);
 
  private:
-  void judge(const FrameMaps& maps, const ModelView& model, const Pose& T_model_current, TrackResult* result);
+  void judge(const FrameMaps& maps, const FrameMotion& motion, const ModelView& model,
+             const Pose& T_model_current, TrackResult* result);
 
   exec::Device device_;
   TrackingConfig config_;
   exec::ReductionWorkspace geometric_workspace_, photometric_workspace_;
 };
-
-/// Pose of the depth camera at the time of the colour image in that at the time of the depth image, for a
-/// camera that moves with `velocity`.
-Pose shutter_motion(const FrameMaps& maps, const Vector6d& velocity);
 
 }  // namespace kt

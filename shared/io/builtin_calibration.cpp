@@ -22,6 +22,17 @@ Camera vga_camera(double fx, double fy, double cx, double cy, std::array<double,
   return {640, 480, fx, fy, cx, cy, distortion};
 }
 
+// Both cameras of the Kinect read their rows one after the other (Ringaby and Forssén, ICCV 2011: 30.5
+// and 30.7 ms). An image cannot be stamped before its last row has been read: the middle row is half of that
+// older.
+constexpr double kKinectReadout_s = 0.0305;
+
+Calibration kinect_with_stamps(Calibration calibration) {
+  calibration.readout_s = kKinectReadout_s;
+  calibration.stamp_delay_s = kKinectReadout_s / 2;
+  return calibration;
+}
+
 /// The depth camera is as the data set states it. The colour camera was measured on RedKitchen: where depth
 /// breaks off, colour edges lie 13 px / z (z in m) to the left of the depth camera's pixel (100 frames, 0.9
 /// to 2.4 m), so the colour camera stands 25 mm to the right; the rest minimises photometric differences
@@ -32,6 +43,7 @@ Calibration seven_scenes() {
   calibration.colour = vga_camera(525, 525, 320, 239);
   calibration.T_colour_depth.translation() = Eigen::Vector3d(-0.025, 0.0025, -0.004);
   calibration.invalid_depth = 65535;
+  calibration.readout_s = kKinectReadout_s;  // its frames are numbered, not stamped: no delay
   return calibration;
 }
 
@@ -44,8 +56,10 @@ std::vector<Calibration> all() {
                                 {0.231222, -0.784899, -0.003257, -0.000105, 0.917205});
   const Camera fr3 = vga_camera(535.4, 539.2, 320.1, 247.6);
   const Camera ros_default = vga_camera(525, 525, 319.5, 239.5);
-  return {registered_rig("tum-fr1", fr1, 1.0 / 5000), registered_rig("tum-fr2", fr2, 1.0 / 5208),
-          registered_rig("tum-fr3", fr3, 1.0 / 5000), registered_rig("tum", ros_default, 1.0 / 5000),
+  return {kinect_with_stamps(registered_rig("tum-fr1", fr1, 1.0 / 5000)),
+          kinect_with_stamps(registered_rig("tum-fr2", fr2, 1.0 / 5208)),
+          kinect_with_stamps(registered_rig("tum-fr3", fr3, 1.0 / 5000)),  // an Xtion, of the same design
+          registered_rig("tum", ros_default, 1.0 / 5000),
           // ICL-NUIM states fy = -480; see icl_nuim.cpp for what becomes of the sign.
           registered_rig("icl-nuim", vga_camera(481.2, 480, 319.5, 239.5), 1.0 / 5000), seven_scenes(),
           registered_rig("synthetic", ros_default, 1.0 / 5000)};

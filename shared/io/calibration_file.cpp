@@ -98,13 +98,16 @@ Pose read_transform(const YAML::Node& node, const std::string& file) {
 
 Calibration parse(const YAML::Node& root, const std::string& file) {
   const Section top(root, file, "",
-                    {"name", "depth", "colour", "T_colour_depth", "depth_unit_m", "invalid_depth"});
+                    {"name", "depth", "colour", "T_colour_depth", "depth_unit_m", "invalid_depth",
+                     "readout_s", "stamp_delay_s"});
   Calibration calibration;
   if (top.has("name")) calibration.name = top.get<std::string>("name", "text");
   calibration.depth = read_camera(top.at("depth"), file, "depth.");
   calibration.colour = top.has("colour") ? read_camera(top.at("colour"), file, "colour.") : calibration.depth;
   if (top.has("T_colour_depth")) calibration.T_colour_depth = read_transform(top.at("T_colour_depth"), file);
   calibration.depth_unit_m = top.number("depth_unit_m");
+  if (top.has("readout_s")) calibration.readout_s = top.number("readout_s");
+  if (top.has("stamp_delay_s")) calibration.stamp_delay_s = top.number("stamp_delay_s");
   if (top.has("invalid_depth")) {
     const auto value = top.get<int>("invalid_depth", "a whole number");
     if (value < 0 || value > 65535) top.fail("invalid_depth", "must lie in [0, 65535]");
@@ -160,6 +163,10 @@ std::string calibration_to_yaml(const Calibration& calibration) {
   text += std::string("depth_unit_m: ") + number_text(calibration.depth_unit_m) + "\n";
   text += std::string("invalid_depth: ") + std::to_string(calibration.invalid_depth) +
           "  # besides 0; 0 = no other\n";
+  text += std::string("readout_s: ") + number_text(calibration.readout_s) +
+          "  # of a rolling shutter, first row to last; 0 = global\n";
+  text += std::string("stamp_delay_s: ") + number_text(calibration.stamp_delay_s) +
+          "  # from the middle row to the stamp\n";
   return text;
 }
 

@@ -9,7 +9,8 @@ namespace kt {
 bool Calibration::is_equal_to(const Calibration& other) const {
   return depth == other.depth && colour == other.colour &&
          T_colour_depth.matrix() == other.T_colour_depth.matrix() && depth_unit_m == other.depth_unit_m &&
-         invalid_depth == other.invalid_depth;
+         invalid_depth == other.invalid_depth && readout_s == other.readout_s &&
+         stamp_delay_s == other.stamp_delay_s;
 }
 
 bool Calibration::is_registered() const {
@@ -28,6 +29,8 @@ std::string Calibration::range_problem() const {
   if (!is_valid_pose(T_colour_depth)) return "T_colour_depth is not a rigid transform";
   if (T_colour_depth.translation().norm() > 1) return "the cameras stand more than 1 m apart";
   if (!(depth_unit_m >= 1e-6 && depth_unit_m <= 0.1)) return "depth_unit_m must lie in [1e-6, 0.1]";
+  if (!(std::abs(readout_s) <= 0.2)) return "readout_s must lie in [-0.2, 0.2]";
+  if (!(std::abs(stamp_delay_s) <= 1)) return "stamp_delay_s must lie in [-1, 1]";
   return {};
 }
 

@@ -16,6 +16,10 @@ struct Calibration {
   Pose T_colour_depth = Pose::Identity();  ///< maps points of the depth camera to the colour camera (m)
   double depth_unit_m = 0.001;             ///< metres per unit of the depth image
   uint16_t invalid_depth = 0;  ///< a raw value that means "none" besides 0 (65535 in 7-Scenes); 0 = no other
+  /// Of a rolling shutter: from the first row of an image to the last, of both cameras; 0 = global shutter,
+  /// less = from the last row to the first.
+  double readout_s = 0;
+  double stamp_delay_s = 0;  ///< an image is stamped so long after its middle row was taken
 
   /// Whether colour pixel (u, v) looks along depth pixel (u, v): same intrinsics and no offset.
   bool is_registered() const;

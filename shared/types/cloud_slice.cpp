@@ -10,6 +10,25 @@
 
 namespace kt {
 
+namespace {
+
+// Where a part ends that begins with this triangle: `last_part` says in which part each vertex stands last.
+size_t part_end(const CloudSlice& slice, size_t begin, size_t max_triangles, size_t max_vertices, size_t part,
+                std::vector<size_t>& last_part) {
+  const size_t most = begin + std::min(max_triangles, slice.triangles.size() - begin);
+  size_t vertices = 0;
+  for (size_t i = begin; i < most; ++i) {
+    for (const uint32_t corner : slice.triangles[i]) {
+      vertices += last_part[corner] != part;
+      last_part[corner] = part;
+    }
+    if (vertices > max_vertices) return i;
+  }
+  return most;
+}
+
+}  // namespace
+
 CloudSlice part_of(const CloudSlice& slice, std::span<const uint32_t> triangles) {
   CloudSlice part;
   part.sequence = slice.sequence;
@@ -40,16 +59,18 @@ CloudSlice part_of(const CloudSlice& slice, std::span<const uint32_t> triangles)
   return part;
 }
 
-std::vector<CloudSlice> split_slice(const CloudSlice& slice, size_t max_triangles) {
-  KT_CHECK(max_triangles > 0);
+std::vector<CloudSlice> split_slice(const CloudSlice& slice, size_t max_triangles, size_t max_vertices) {
+  KT_CHECK(max_triangles > 0 && max_vertices >= 3);
   std::vector<CloudSlice> parts;
   std::vector<uint32_t> triangles;
+  std::vector<size_t> last_part(slice.vertices.size(), SIZE_MAX);
   size_t begin = 0;
   do {
-    triangles.resize(std::min(max_triangles, slice.triangles.size() - begin));
+    const size_t end = part_end(slice, begin, max_triangles, max_vertices, parts.size(), last_part);
+    triangles.resize(end - begin);
     std::iota(triangles.begin(), triangles.end(), static_cast<uint32_t>(begin));
     parts.push_back(part_of(slice, triangles));
-    begin += triangles.size();
+    begin = end;
   } while (begin < slice.triangles.size());
   parts.back().is_final = slice.is_final;
   return parts;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -27,9 +28,10 @@ struct CloudSlice {
 /// The triangles of `slice` with these numbers, in this order, and the vertices that they use. Never final.
 CloudSlice part_of(const CloudSlice& slice, std::span<const uint32_t> triangles);
 
-/// `slice` in parts of at most `max_triangles` triangles and three times as many vertices, which weld to the
-/// same surface: vertices of triangles in several parts stand in each. Only the last part is final. Vertices
-/// that no triangle uses are left out; a slice without triangles gives one part without vertices.
-std::vector<CloudSlice> split_slice(const CloudSlice& slice, size_t max_triangles);
+/// `slice` in parts of at most `max_triangles` triangles and `max_vertices` vertices (3 or more), which weld
+/// to the same surface: vertices of triangles in several parts stand in each. Only the last part is final.
+/// Vertices that no triangle uses are left out; a slice without triangles gives one part without vertices.
+std::vector<CloudSlice> split_slice(const CloudSlice& slice, size_t max_triangles,
+                                    size_t max_vertices = SIZE_MAX);
 
 }  // namespace kt

@@ -42,10 +42,12 @@ enum class TrackingCause : uint8_t {
   kLargeStep = 4,      ///< the motion found is not to be believed
   kUnconstrained = 5,  ///< neither geometry nor texture tells a direction, for too long
   kUnconfirmed = 6,    ///< fair, but after a gap, a loss or a relocalisation that is not enough
+  kNoFrames = 7,       ///< there is no frame: the camera is gone (of a status, never of a pose)
 };
-inline constexpr int kTrackingCauses = 7;
+inline constexpr int kTrackingCauses = 8;
 
-/// "none", "no depth", "low overlap", "few inliers", "large step", "unconstrained" or "unconfirmed".
+/// "none", "no depth", "low overlap", "few inliers", "large step", "unconstrained", "unconfirmed" or "no
+/// frames".
 const char* to_string(TrackingCause cause);
 
 /// How well a frame fits.
@@ -84,5 +86,14 @@ struct StampedPose {
 };
 
 using Trajectory = std::vector<StampedPose>;
+
+/// Of the camera in its own frame at each pose, [rad/s; m/s]: the mean of the motions before and after it, as
+/// far as good or uncertain poses of its segment follow each other; zero where nothing is known.
+std::vector<Vector6d> velocities(const Trajectory& trajectory);
+
+/// Where the camera was at the stamps, for poses that were measured `stamp_delay_s` before them
+/// (Calibration::stamp_delay_s), by the velocity to the next pose or, where none follows, from the last one.
+/// Nothing else changes.
+Trajectory at_stamps(const Trajectory& measured, double stamp_delay_s);
 
 }  // namespace kt

@@ -19,7 +19,7 @@ namespace kt {
 namespace {
 
 // Offsets as in lcmtypes/*.lcm; encode compares every message it makes with them.
-const MessageLayout kSessionLayout{.fixed_bytes = 300, .strings = 3};
+const MessageLayout kSessionLayout{.fixed_bytes = 316, .strings = 3};
 const MessageLayout kPoseLayout{.fixed_bytes = 348};
 const MessageLayout kSliceLayout{.fixed_bytes = 153, .arrays = {{145, 43}, {149, 12}}};
 const MessageLayout kStatusLayout{.fixed_bytes = 187};
@@ -62,6 +62,8 @@ std::vector<uint8_t> encode(const SessionHeader& session, int64_t message_sequen
   message.format_version = session.format_version;
   message.invalid_depth = session.calibration.invalid_depth;
   message.depth_unit_m = session.calibration.depth_unit_m;
+  message.readout_s = session.calibration.readout_s;
+  message.stamp_delay_s = session.calibration.stamp_delay_s;
   pack(session.calibration.T_colour_depth, message.T_colour_depth);
   message.depth = pack(session.calibration.depth);
   message.colour = pack(session.calibration.colour);
@@ -86,6 +88,8 @@ DecodeStatus decode(std::span<const uint8_t> bytes, SessionHeader& session) {
   value.calibration.colour = unpack(message.colour);
   value.calibration.T_colour_depth = unpack_pose(message.T_colour_depth);
   value.calibration.depth_unit_m = message.depth_unit_m;
+  value.calibration.readout_s = message.readout_s;
+  value.calibration.stamp_delay_s = message.stamp_delay_s;
   value.calibration.invalid_depth = static_cast<uint16_t>(message.invalid_depth);
   return accept(std::move(value), session);
 }

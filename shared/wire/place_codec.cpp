@@ -15,7 +15,7 @@ namespace {
 
 // Offsets as in lcmtypes/*.lcm; encode compares every message it makes with them.
 const MessageLayout kKeyframeLayout{
-    .fixed_bytes = 164, .arrays = {{140, 24}, {144, 1}, {156, 1}, {160, 1}}, .strings = 1};
+    .fixed_bytes = 212, .arrays = {{188, 24}, {192, 1}, {204, 1}, {208, 1}}, .strings = 1};
 const MessageLayout kLoopLayout{.fixed_bytes = 341, .arrays = {{336, 24}}, .strings = 1};
 
 constexpr int kThumbnailQuality = 80;
@@ -56,6 +56,7 @@ std::vector<uint8_t> encode(const Keyframe& keyframe, int64_t message_sequence) 
   kintsugi::keyframe_t message{};
   message.frame = keyframe.sequence;
   pack(keyframe.T_odom_camera, message.T_odom_camera);
+  std::copy(keyframe.velocity.begin(), keyframe.velocity.end(), message.velocity);
   message.segment = keyframe.segment;
   message.descriptor_size = keyframe.descriptor_size;
   message.feature_count = wire_count(keyframe.u_px.size(), 64);
@@ -91,6 +92,7 @@ DecodeStatus decode(std::span<const uint8_t> bytes, Keyframe& keyframe) {
   value.timestamp_us = message.header.timestamp_us;
   value.segment = message.segment;
   value.T_odom_camera = unpack_pose(message.T_odom_camera);
+  value.velocity = Eigen::Map<const Vector6d>(message.velocity);
   value.descriptor_type = std::move(message.descriptor_type);
   value.descriptor_size = message.descriptor_size;
   value.u_px = std::move(message.u_px);

@@ -45,6 +45,11 @@ DecodeStatus check_pose(const Pose& T) {
   return near && is_valid_pose(T) ? kOk : kOutOfRange;
 }
 
+DecodeStatus check_velocity(const Vector6d& velocity) {
+  if (!velocity.allFinite()) return kNotFinite;
+  return velocity.cwiseAbs().maxCoeff() <= kMaxSpeed ? kOk : kOutOfRange;
+}
+
 DecodeStatus check_information(const Matrix6d& information) {
   if (!information.allFinite()) return kNotFinite;
   return information.diagonal().minCoeff() >= 0 ? kOk : kOutOfRange;
@@ -119,8 +124,8 @@ DecodeStatus validity(const Keyframe& keyframe) {
   if (keyframe.descriptors.size() != count * static_cast<size_t>(keyframe.descriptor_size))
     return kOutOfRange;
   if (std::max(keyframe.depth.width(), keyframe.depth.height()) > kMaxKeyframeDepthSize) return kOutOfRange;
-  return first_of({check_pose(keyframe.T_odom_camera), check_pixels(keyframe.u_px),
-                   check_pixels(keyframe.v_px), check_scales(keyframe.scale_px),
+  return first_of({check_pose(keyframe.T_odom_camera), check_velocity(keyframe.velocity),
+                   check_pixels(keyframe.u_px), check_pixels(keyframe.v_px), check_scales(keyframe.scale_px),
                    check_points(keyframe.p_camera)});
 }
 
@@ -158,13 +163,11 @@ DecodeStatus validity(const CompressedFrame& frame) {
 }
 
 DecodeStatus validity(const MotionSample& sample) {
-  if (!sample.velocity.allFinite() || !std::isfinite(sample.rotation_sigma) ||
-      !std::isfinite(sample.translation_sigma))
-    return kNotFinite;
+  if (!std::isfinite(sample.rotation_sigma) || !std::isfinite(sample.translation_sigma)) return kNotFinite;
   const bool sane = is_count(sample.sequence) && is_stamp(sample.timestamp_us) &&
                     sample.kind <= MotionSample::Kind::kVelocity && sample.rotation_sigma >= 0 &&
-                    sample.translation_sigma >= 0 && sample.velocity.cwiseAbs().maxCoeff() <= kMaxSpeed;
-  return sane ? check_pose(sample.T_prior_camera) : kOutOfRange;
+                    sample.translation_sigma >= 0;
+  return sane ? first_of({check_velocity(sample.velocity), check_pose(sample.T_prior_camera)}) : kOutOfRange;
 }
 
 }  // namespace kt

@@ -39,6 +39,7 @@ class MapTest(ProgramTest):
         for out, surface, made in ((from_log, "frames", "fuse"), (from_recording, "frames", "fuse"), (slices, "slices", "deform")):
             self.assertEqual(self.report(out)["segments"]["list"][0]["surface"], surface)
             self.assertEqual(len(list((out / "stages").glob(f"{made}-*"))), 1, "the tiles, and nothing that was for a while")
+            self.assertEqual([], list(out.glob("*.tmp*")))
         self.assertEqual((from_log / "map.ply").read_bytes(), (from_recording / "map.ply").read_bytes())
         self.assertGreater(self.report(slices)["map"]["triangles"], 10_000)
         ratio = self.report(from_log)["map"]["triangles"] / self.report(slices)["map"]["triangles"]

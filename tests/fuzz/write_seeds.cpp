@@ -14,6 +14,7 @@
 #include "shared/wire/codec.h"
 #include "shared/wire/event_log.h"
 #include "shared/wire/frame_codec.h"
+#include "tests/fuzz/small_frame.h"
 #include "tests/shared/wire/sample_messages.h"
 
 namespace {
@@ -25,21 +26,13 @@ void seed(const fs::path& folder, const std::string& name, std::string_view byte
   kt::write_file(folder / name, bytes);
 }
 
-kt::RgbdFrame small_frame(int64_t sequence) {
-  kt::RgbdFrame frame{sequence, 33333 * sequence, 33333 * sequence,
-                      kt::Image<uint16_t>(16, 16, uint16_t{1000}),
-                      kt::Image<kt::Rgb8>(16, 16, kt::Rgb8{10, 20, 30})};
-  frame.depth(3, 4) = 65535;
-  return frame;
-}
-
 void log_seeds(const fs::path& folder) {
   std::vector<kt::Message> messages = kt::sample_messages();
   // Its images are none.
   std::erase_if(messages,
                 [](const kt::Message& m) { return std::holds_alternative<kt::CompressedFrame>(m); });
   for (int64_t i = 0; i < 3; ++i)
-    messages.push_back(kt::compress(small_frame(i), {.lossless_colour = i == 1}));
+    messages.push_back(kt::compress(kt::small_frame(i), {.lossless_colour = i == 1}));
   fs::create_directories(folder);
   fs::remove(folder / "whole");
   kt::EventLogWriter writer(folder / "whole");
@@ -52,9 +45,24 @@ void log_seeds(const fs::path& folder) {
   writer.close();
 }
 
+/// Channel, length and content, as in bus_fuzz.cpp.
+void bus_seeds(const fs::path& folder) {
+  std::string all;
+  for (int64_t i = 0; i < 3; ++i) {
+    for (kt::Message message : kt::sample_messages()) {
+      if (std::holds_alternative<kt::CompressedFrame>(message)) message = kt::compress(kt::small_frame(i));
+      const std::vector<uint8_t> bytes = std::visit([i](const auto& m) { return kt::encode(m, i); }, message);
+      const std::string head = {static_cast<char>(message.index()), static_cast<char>(bytes.size() >> 8),
+                                static_cast<char>(bytes.size())};
+      all += head + std::string(kt::as_text(bytes));
+    }
+    seed(folder, "messages" + std::to_string(i), all);
+  }
+}
+
 /// The first byte chooses, as in dataset_fuzz.cpp.
 void dataset_seeds(const fs::path& folder) {
-  const kt::RgbdFrame frame = small_frame(1);
+  const kt::RgbdFrame frame = kt::small_frame(1);
   seed(folder, "list", std::string("\0", 1) + "# timestamp filename\n1.5 1.png\n1.533333 2.png\n");
   seed(folder, "poses", std::string("\0", 1) + kt::trajectory_to_text({kt::sample_stamped_pose(1)}));
   kt::MotionSample odometry;
@@ -104,6 +112,7 @@ int main(int argc, char** argv) {
   }
   const fs::path folder = argv[1];
   log_seeds(folder / "log_fuzz");
+  bus_seeds(folder / "bus_fuzz");
   dataset_seeds(folder / "dataset_fuzz");
   text_seeds(folder / "trajectory_fuzz");
   ply_seeds(folder / "ply_fuzz");

@@ -166,6 +166,16 @@ Calibration small_calibration(int scale) {
   return calibration;
 }
 
+namespace {
+
+Pose pose_at_row(const Pose& T_world_camera, const RenderOptions& options, double readout_s, int row,
+                 int rows) {
+  const double time_s = readout_s * (row - 0.5 * (rows - 1)) / rows;
+  return T_world_camera * exp_se3(options.velocity * time_s);
+}
+
+}  // namespace
+
 RgbdFrame render(const AnalyticScene& scene, const Calibration& calibration, const Pose& T_world_camera,
                  const RenderOptions& options) {
   RgbdFrame frame;
@@ -174,9 +184,10 @@ RgbdFrame render(const AnalyticScene& scene, const Calibration& calibration, con
   const Camera& depth = calibration.depth;
   frame.depth = Image<uint16_t>(depth.width, depth.height);
   for (int v = 0; v < depth.height; ++v) {
+    const Pose T_world_row = pose_at_row(T_world_camera, options, calibration.readout_s, v, depth.height);
     for (int u = 0; u < depth.width; ++u) {
       const Vector3d ray = ray_of_pixel(depth, u, v);
-      const auto hit = scene.trace(T_world_camera.translation(), T_world_camera.linear() * ray);
+      const auto hit = scene.trace(T_world_row.translation(), T_world_row.linear() * ray);
       if (!hit) continue;
       double z = hit->distance_m / ray.norm();
       const auto pixel = static_cast<uint64_t>(v) * depth.width + u;
@@ -187,9 +198,11 @@ RgbdFrame render(const AnalyticScene& scene, const Calibration& calibration, con
     }
   }
   const Camera& colour = calibration.colour;
-  const Pose T_world_colour = T_world_camera * calibration.T_colour_depth.inverse();
   frame.colour = Image<Rgb8>(colour.width, colour.height);
   for (int v = 0; v < colour.height; ++v) {
+    const Pose T_world_colour =
+        pose_at_row(T_world_camera, options, calibration.readout_s, v, colour.height) *
+        calibration.T_colour_depth.inverse();
     for (int u = 0; u < colour.width; ++u) {
       const auto hit =
           scene.trace(T_world_colour.translation(), T_world_colour.linear() * ray_of_pixel(colour, u, v));

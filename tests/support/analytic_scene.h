@@ -78,9 +78,11 @@ struct RenderOptions {
   double texture_scale = 1;  ///< how many times finer the colours change
   int64_t sequence = 0;      ///< of the frame; stamps are 1/30 s apart
   double blotches_m = 0;     ///< above 0: grey blotches of this size instead of the colours
+  /// Of the depth camera in its own frame while a rolling shutter (Calibration::readout_s) reads both images.
+  Vector6d velocity = Vector6d::Zero();
 };
 
-/// What the rig records; T_world_camera is the pose of the depth camera.
+/// What the rig records; T_world_camera is the pose of the depth camera, at the time of the middle row.
 RgbdFrame render(const AnalyticScene& scene, const Calibration& calibration, const Pose& T_world_camera,
                  const RenderOptions& options = {});
 

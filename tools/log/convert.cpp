@@ -63,10 +63,12 @@ std::string source_to_log(const std::string& from, const std::filesystem::path& 
     log->write(channel_of<MotionSample>(), sample.timestamp_us, encode(sample, samples++));
   };
   for (SourceItem item = source->next(); item.kind != SourceItem::Kind::kEnd; item = source->next()) {
+    if (item.kind == SourceItem::Kind::kNothingYet) continue;
     if (item.kind == SourceItem::Kind::kSkipped) {
       if (skipped++ == 0) first_reason = item.reason;
       continue;
     }
+    if (item.kind == SourceItem::Kind::kInterrupted) continue;
     if (item.kind == SourceItem::Kind::kSkippedMotion) {
       if (refused++ == 0) first_refusal = item.reason;
       continue;
@@ -112,7 +114,10 @@ std::string log_to_trajectory(const std::string& from, const std::filesystem::pa
   reader.skip<MotionSample>();
   Session session;
   while (const std::optional<Message> message = reader.next()) {
-    if (const auto* header = std::get_if<SessionHeader>(&*message)) check_format_version(*header, from);
+    if (const auto* header = std::get_if<SessionHeader>(&*message)) {
+      check_format_version(*header, from);
+      session.header = *header;
+    }
     if (const auto* pose = std::get_if<StampedPose>(&*message)) session.trajectory.push_back(*pose);
   }
   if (session.trajectory.empty())
@@ -120,7 +125,7 @@ std::string log_to_trajectory(const std::string& from, const std::filesystem::pa
   const std::vector<Segment> segments = take_segments(session);
   const Segment& main = segments[main_segment(segments)];
   refuse_existing(to, options);
-  write_trajectory(to, main.trajectory);
+  write_trajectory(to, at_stamps(main.trajectory, session.header.calibration.stamp_delay_s));
   std::string text = to.string() + ": " + count_text(static_cast<int64_t>(main.trajectory.size()), "poses");
   if (segments.size() > 1) {
     text += " of segment " + std::to_string(main.number) + ", the one with the most good frames of " +

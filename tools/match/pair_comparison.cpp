@@ -58,6 +58,7 @@ PairComparer::PairComparer(const Calibration& calibration, const std::string& de
       colour_(calibration.colour.pinhole()),
       depth_(keyframe_camera(calibration)),
       T_colour_depth_(calibration.T_colour_depth),
+      readout_s_(calibration.readout_s),
       verifier_(calibration, vocabulary_.kind(), {}) {}
 
 KnownPlace PairComparer::known(Keyframe keyframe) const {
@@ -68,7 +69,10 @@ KnownPlace PairComparer::known(Keyframe keyframe) const {
 PoseFit PairComparer::fit(const Keyframe& from, const Keyframe& to, const LoopClosure& loop,
                           std::span<const FeatureMatch> matches, const Pose& T_from_to) const {
   const exec::Device cpu = exec::Device::cpu(1);
-  const KeptPlaceSurface surface_from(cpu, from.depth, depth_), surface_to(cpu, to.depth, depth_);
+  const auto surface_of = [&](const Keyframe& keyframe) {
+    return KeptPlaceSurface(cpu, keyframe.depth, depth_, row_motion(keyframe.velocity, readout_s_, depth_));
+  };
+  const KeptPlaceSurface surface_from = surface_of(from), surface_to = surface_of(to);
   const SurfaceAgreement there = SurfaceAligner::agreement(surface_from, surface_to, T_from_to),
                          back = SurfaceAligner::agreement(surface_to, surface_from, T_from_to.inverse());
   PoseFit result;

@@ -67,6 +67,7 @@ class PairComparer {
   const Vocabulary& vocabulary_;
   PinholeParams colour_, depth_;
   Pose T_colour_depth_;
+  double readout_s_;
   LoopVerifier verifier_;
 };
 

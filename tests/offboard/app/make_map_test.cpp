@@ -143,11 +143,13 @@ TEST(MakeMap, WritesWhatTheLogHolds) {
   EXPECT_EQ(map.colours.size(), 5u);
   EXPECT_EQ(map.triangles.size(), 3u);
   const Trajectory trajectory = read_trajectory(output / "trajectory.txt");
+  Trajectory measured;
+  for (int64_t i = 0; i < 4; ++i) measured.push_back(sample_stamped_pose(i));
+  const Trajectory expected = at_stamps(measured, sample_session().calibration.stamp_delay_s);
   ASSERT_EQ(trajectory.size(), 4u);
   for (size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(trajectory[i].timestamp_us, sample_stamped_pose(static_cast<int64_t>(i)).timestamp_us);
-    EXPECT_TRUE(trajectory[i].T_odom_camera.isApprox(
-        sample_stamped_pose(static_cast<int64_t>(i)).T_odom_camera, 1e-8));
+    EXPECT_EQ(trajectory[i].timestamp_us, expected[i].timestamp_us);
+    EXPECT_TRUE(trajectory[i].T_odom_camera.isApprox(expected[i].T_odom_camera, 1e-8));
   }
   const PoseGraph graph = read_g2o(output / "poses.g2o");
   EXPECT_EQ(graph.nodes.size(), 4u);

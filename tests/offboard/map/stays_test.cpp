@@ -22,9 +22,7 @@ namespace {
 using Stays = std::vector<std::vector<size_t>>;
 
 // The places of the slices of each stay.
-Stays stays_of(const std::vector<CloudSlice>& slices) {
-  StayFinder finder;
-  finder.add(slices);
+Stays stays_by(const StayFinder& finder, const std::vector<CloudSlice>& slices) {
   std::vector<int64_t> sequences;
   for (const CloudSlice& slice : slices) {
     if (sequences.empty() || sequences.back() != slice.sequence) sequences.push_back(slice.sequence);
@@ -37,6 +35,24 @@ Stays stays_of(const std::vector<CloudSlice>& slices) {
     stays.at(stay).push_back(i);
   }
   return stays;
+}
+
+Stays stays_of(const std::vector<CloudSlice>& slices) {
+  StayFinder finder;
+  finder.add(slices, [](EdgeKey) { return true; });
+  return stays_by(finder, slices);
+}
+
+// Asked cube by cube, each with the cells beside it.
+Stays stays_in_tiles(const std::vector<CloudSlice>& slices, int32_t side) {
+  const ScratchDir folder;
+  const TileGrid grid{side};
+  SliceTiles tiles(grid, 1, folder / "slices");
+  for (const CloudSlice& slice : slices) tiles.add(0, slice);
+  StayFinder finder;
+  for (const TileId& id : tiles.tiles())
+    finder.add(tiles.read(id), [&](EdgeKey key) { return grid.is_within(id, key, 1); });
+  return stays_by(finder, slices);
 }
 
 std::vector<Mesh> weld_stays(const std::vector<CloudSlice>& slices, const Stays& stays) {
@@ -110,6 +126,22 @@ TEST(WeldStays, KeysJoinWithinAStayOnly) {
   EXPECT_EQ(all.triangles.size(), 2 * meshes[0].triangles.size());
 }
 
+// The second and third slice agree with the first where they meet it, but not with each other; what the cube
+// of the last one sees of them is without the first.
+TEST(Stays, AKeyIsAskedForOnlyWhereAllItsCopiesAre) {
+  const auto bordering = [](float voxels) {
+    CloudSlice slice = made_floor(8, 9, 1);
+    for (SliceVertex& vertex : slice.vertices) {
+      if (vertex.key.voxel().x == 8) vertex.p_odom.z += 0.01f * voxels;
+    }
+    return slice;
+  };
+  const std::vector<CloudSlice> slices =
+      in_sequence({made_floor(0, 8, 1), bordering(0.009f), bordering(-0.009f), made_floor(9, 12, 1)});
+  EXPECT_EQ(stays_of(slices), (Stays{{0, 1, 2, 3}}));
+  EXPECT_EQ(stays_in_tiles(slices, 9), (Stays{{0, 1, 2, 3}}));
+}
+
 // Asked place by place, in cubes with a margin, or all at once.
 TEST(Stays, DoNotDependOnTheTiles) {
   const std::vector<CloudSlice> slices = in_sequence(
@@ -117,23 +149,7 @@ TEST(Stays, DoNotDependOnTheTiles) {
        raised_floor(50, 60, 0.5f), made_floor(39, 70, 1), made_floor(0, 9, 1)});
   const Stays expected = stays_of(slices);
   EXPECT_EQ(expected, (Stays{{0}, {1}, {2, 3, 4}, {5, 6}}));
-  for (const int32_t side : {4, 16}) {
-    const ScratchDir folder;
-    SliceTiles tiles({side}, 1, folder / "slices");
-    std::vector<int64_t> sequences;
-    for (const CloudSlice& slice : slices) {
-      tiles.add(0, slice);
-      sequences.push_back(slice.sequence);
-    }
-    StayFinder finder;
-    EXPECT_GT(tiles.tiles().size(), 4u);
-    for (const TileId& id : tiles.tiles()) finder.add(tiles.read(id));
-    const std::map<int64_t, int32_t> stay_of = finder.stays(sequences);
-    for (size_t stay = 0; stay < expected.size(); ++stay) {
-      for (const size_t i : expected[stay])
-        EXPECT_EQ(stay_of.at(slices[i].sequence), static_cast<int32_t>(stay)) << i;
-    }
-  }
+  for (const int32_t side : {4, 16}) EXPECT_EQ(stays_in_tiles(slices, side), expected) << side;
 }
 
 // A corridor there and back, with noise: what real slices are like.

@@ -72,6 +72,19 @@ TEST(FrameQueue, MotionSamplesDoNotTakeTheFramesPlaces) {
   EXPECT_EQ(queue.next().kind, SourceItem::Kind::kEnd);
 }
 
+TEST(FrameQueue, TellsThatNothingCameOnlyWhileNothingElseWaits) {
+  std::vector<SourceItem> items(500, {.kind = SourceItem::Kind::kNothingYet});
+  items.push_back(motion_item({}));
+  items.insert(items.end(), 3000, {.kind = SourceItem::Kind::kNothingYet});
+  ListSource source(items);
+  FrameQueue queue(source, 2);
+  for (int ms = 0; ms < 3000 && source.delivered() < 3502; ++ms)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_EQ(queue.next().kind, SourceItem::Kind::kNothingYet);
+  EXPECT_EQ(queue.next().kind, SourceItem::Kind::kMotion);
+  EXPECT_EQ(queue.next().kind, SourceItem::Kind::kEnd);
+}
+
 TEST(FrameQueue, PassesAnExceptionOnAfterTheItemsBeforeIt) {
   ListSource source(numbered_items(3), "the disk is gone");
   FrameQueue queue(source);

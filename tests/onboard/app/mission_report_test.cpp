@@ -61,6 +61,16 @@ MissionSummary summary() {
   return s;
 }
 
+TEST(MissionReport, SaysWhatWasPublishedAndWhyItEnded) {
+  MissionSummary live = summary();
+  EXPECT_THAT(mission_report_text(live), testing::Not(HasSubstr("published")));
+  live.publishing = LcmSink::Counts{.messages = 1234, .bytes = 5'600'000, .dropped = 7, .refused = 8};
+  live.timed_out = true;
+  const std::string text = mission_report_text(live);
+  EXPECT_THAT(text, HasSubstr("published 1234 messages, 5.6 MB; 7 dropped, 8 refused by the network"));
+  EXPECT_THAT(text, HasSubstr("no more frames came"));
+}
+
 TEST(MissionReport, TextNamesTheFigures) {
   const std::string text = mission_report_text(summary());
   for (const char* part : {"200 processed", "75.0 % tracked", "40 uncertain", "10 lost", "3 skipped",

@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/app/mission.h"
 
+#include <chrono>
+#include <thread>
+
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
 #include "onboard/app/config_fields.h"
 #include "tests/onboard/app/recording_sink.h"
+#include "tests/support/test_files.h"
 
 namespace kt::test {
 namespace {
@@ -164,6 +168,53 @@ TEST(Mission, StopFlagEndsItWithTheFlush) {
   ASSERT_FALSE(sink.slices.empty());
   EXPECT_TRUE(sink.slices.back().is_final);
   EXPECT_FALSE(sink.slices.back().triangles.empty());
+  EXPECT_TRUE(sink.is_closed);
+}
+
+/// Has nothing more for ever behind its items.
+class SilentSource final : public FrameSource {
+ public:
+  explicit SilentSource(std::vector<SourceItem> items) : list_(std::move(items)) {}
+  SourceItem next() override {
+    SourceItem item = list_.next();
+    if (item.kind != SourceItem::Kind::kEnd) return item;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return {.kind = SourceItem::Kind::kNothingYet};
+  }
+  int64_t frame_count() const override { return -1; }
+  const Calibration& calibration() const override { return list_.calibration(); }
+
+ private:
+  ListSource list_;
+};
+
+TEST(Mission, ALiveSourceThatFallsSilentEndsItWhereAsked) {
+  SilentSource source(room_items(3));
+  RecordingSink sink;
+  MissionOptions options = small_mission();
+  options.idle_timeout_s = 0.05;
+  const MissionSummary summary = run_mission(source, sink, options);
+  EXPECT_TRUE(summary.timed_out);
+  EXPECT_FALSE(summary.interrupted);
+  EXPECT_EQ(summary.status.frames, 3);
+  EXPECT_TRUE(sink.slices.back().is_final);
+  SilentSource mute({});
+  EXPECT_THAT(error_of([&] { run_mission(mute, sink, options); }), HasSubstr("none came in time"));
+}
+
+TEST(Mission, StopsWhileALiveSourceIsSilent) {
+  std::atomic<bool> stop = false;
+  SilentSource source(room_items(3));
+  RecordingSink sink;
+  MissionOptions options = small_mission();
+  options.stop = &stop;
+  std::thread user([&stop] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    stop = true;
+  });
+  const MissionSummary summary = run_mission(source, sink, options);
+  user.join();
+  EXPECT_TRUE(summary.interrupted);
   EXPECT_TRUE(sink.is_closed);
 }
 

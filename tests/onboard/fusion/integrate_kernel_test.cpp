@@ -79,6 +79,27 @@ TEST(FuseColumns, RoomGivesTheDistanceToItsNearestSurface) {
   EXPECT_LT(errors.mean_m, 0.006) << "creases and silhouettes of a coarse camera included";
 }
 
+TEST(FuseColumns, ARollingShutterBendsNothing) {
+  Recorder rolling{.scene = furnished_room(), .calibration = small_calibration(2), .config = small_volume()};
+  Calibration calibration = small_calibration(2);
+  calibration.readout_s = 0.03;
+  rolling.preprocessor = Preprocessor(rolling.device, calibration, {});
+  rolling.calibration = calibration;
+  rolling.render_options.velocity << 0.6, -0.4, 0.5, 0.5, -0.6, 0.7;  // rad/s, m/s
+  Recorder still{.scene = furnished_room(), .calibration = small_calibration(2), .config = small_volume()};
+  Recorder unaware{.scene = furnished_room(), .calibration = small_calibration(2), .config = small_volume()};
+  for (Recorder* recorder : {&rolling, &still, &unaware}) recorder->volume.follow(Pose::Identity());
+  rolling.fuse(Pose::Identity());
+  still.fuse(Pose::Identity());
+  const RgbdFrame frame = render(rolling.scene, calibration, Pose::Identity(), rolling.render_options);
+  unaware.volume.integrate(unaware.preprocessor.process(frame), Pose::Identity(), 0);
+  const double moving = distance_errors(rolling.volume, rolling.scene).mean_m,
+               standing = distance_errors(still.volume, still.scene).mean_m,
+               bent = distance_errors(unaware.volume, unaware.scene).mean_m;
+  EXPECT_LT(moving, 1.2 * standing);
+  EXPECT_GT(bent, 2 * standing);
+}
+
 TEST(FuseColumns, WeightsAddUpToTheirCap) {
   const PinholeParams camera = small_calibration().depth.pinhole();
   const exec::Device device = exec::Device::cpu(1);

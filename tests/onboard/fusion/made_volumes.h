@@ -43,8 +43,8 @@ struct Recorder {
   /// Records and fuses one frame; shifts first where asked and due.
   void fuse(const Pose& T_odom_camera) {
     render_options.sequence = frames;
-    volume.integrate(preprocessor.process(render(scene, calibration, T_odom_camera, render_options)),
-                     T_odom_camera, frames++);
+    const FrameMaps& maps = preprocessor.process(render(scene, calibration, T_odom_camera, render_options));
+    volume.integrate(maps, T_odom_camera, frames++, FrameMotion(maps, render_options.velocity));
   }
 };
 

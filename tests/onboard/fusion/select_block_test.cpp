@@ -42,7 +42,8 @@ std::vector<FusionPixel> random_image(const PinholeParams& camera, uint64_t seed
 }
 
 // Bricks that the frame changes, or brings near a surface, and that are not selected.
-int count_left_out(const PinholeParams& camera, BrickState state, uint64_t seed, int* changed) {
+int count_left_out(const PinholeParams& camera, const RowMotion& shutter, BrickState state, uint64_t seed,
+                   int* changed) {
   EmptyVolume volume(state);
   const auto random = [&](uint64_t i) { return 2 * random_uniform(seed, 2, i) - 1; };
   const Pose T_camera_volume =
@@ -59,14 +60,14 @@ int count_left_out(const PinholeParams& camera, BrickState state, uint64_t seed,
     for (int u = 0; u < across; ++u) ranges(u, v);
   }
   std::vector<uint8_t> selected(EmptyVolume::kCount);
-  const SelectBlock select{volume.view(), camera, T, tiles.data(), selected.data()};
+  const SelectBlock select{volume.view(), camera, T, tiles.data(), selected.data(), shutter};
   for (int64_t i = 0; i < SelectBlock::element_count(EmptyVolume::kBricks); ++i) select(i);
 
   std::vector<int32_t> slots;
   for (int32_t slot = 0; slot < EmptyVolume::kCount; ++slot) slots.push_back(slot);
   std::vector<uint8_t> fused(EmptyVolume::kCount * kBrickColumns);
-  const FuseColumns fuse{volume.view(), camera,  T,      slots.data(),
-                         pixels.data(), nullptr, 700.0f, fused.data()};
+  const FuseColumns fuse{volume.view(), camera,       T,      slots.data(), pixels.data(), nullptr,
+                         700.0f,        fused.data(), shutter};
   for (int64_t i = 0; i < static_cast<int64_t>(fused.size()); ++i) fuse.run<1>(i);
 
   int left_out = 0;
@@ -84,12 +85,17 @@ int count_left_out(const PinholeParams& camera, BrickState state, uint64_t seed,
 TEST(SelectBlock, LeavesOutNothingThatTheFrameMeasures) {
   for (const float focal_per_width : {0.8f, 0.5f, 0.2f}) {
     const PinholeParams camera{focal_per_width * 160, focal_per_width * 160, 79.5f, 59.5f, 160, 120};
-    for (const BrickState state : {kBrickSurface, kBrickEmpty}) {
-      int changed = 0, left_out = 0;
-      for (uint64_t seed = 0; seed < 60; ++seed) left_out += count_left_out(camera, state, seed, &changed);
-      EXPECT_GT(changed, 500);
-      EXPECT_EQ(left_out, 0) << "of " << changed << ", focal length " << camera.fx << " px, state "
-                             << int{state};
+    // A shutter of 30 ms at 1 m/s and 2 rad/s.
+    for (const RowMotion& shutter :
+         {RowMotion{}, RowMotion{{5e-4f, -5e-4f, 5e-4f}, {2e-4f, 2e-4f, -2e-4f}, 59.5f}}) {
+      for (const BrickState state : {kBrickSurface, kBrickEmpty}) {
+        int changed = 0, left_out = 0;
+        for (uint64_t seed = 0; seed < 60; ++seed)
+          left_out += count_left_out(camera, shutter, state, seed, &changed);
+        EXPECT_GT(changed, 500);
+        EXPECT_EQ(left_out, 0) << "of " << changed << ", focal length " << camera.fx << " px, state "
+                               << int{state} << ", " << shutter.omega.x << " rad per row";
+      }
     }
   }
 }

@@ -32,6 +32,10 @@ struct Trial {
   Matrix6d motion_information = Matrix6d::Zero();
   exec::Device device = exec::Device::cpu(1);
 
+  Approach approach() const {
+    constexpr double kInterval_s = 1 / 30.0;
+    return {T_odom_camera * exp_se3(-kInterval_s * velocity), velocity, velocity.isZero(0) ? 0 : kInterval_s};
+  }
   TrackResult run() const { return run(render(scene, calibration, T_odom_camera, render_options)); }
   TrackResult run(const RgbdFrame& frame) const {
     const PinholeParams camera = calibration.depth.pinhole();
@@ -43,7 +47,7 @@ struct Trial {
       reference.take(preprocessor.process(render(scene, calibration, T_odom_model, render_options)), model);
     return Tracker(device, calibration, config)
         .track(preprocessor.process(frame), model, &reference,
-               {T_odom_guess, {}, velocity, T_odom_motion, motion_information});
+               {T_odom_guess, {}, approach(), T_odom_motion, motion_information});
   }
 };
 

@@ -29,6 +29,8 @@ TEST(CalibrationFile, SurvivesARoundTrip) {
     EXPECT_EQ(read.colour, written.colour);
     EXPECT_EQ(read.depth_unit_m, written.depth_unit_m);
     EXPECT_EQ(read.invalid_depth, written.invalid_depth);
+    EXPECT_EQ(read.readout_s, written.readout_s);
+    EXPECT_EQ(read.stamp_delay_s, written.stamp_delay_s);
     EXPECT_TRUE(read.T_colour_depth.isApprox(written.T_colour_depth, 1e-14));
   }
 }

@@ -50,6 +50,15 @@ TEST(Calibration, RejectsAbsurdDepthUnits) {
   }
 }
 
+TEST(Calibration, RejectsTimesThatNoCameraHas) {
+  for (const double readout_s : {0.3, -0.3, 30.5, kNaN})
+    EXPECT_THAT(problem_after([=](Calibration& c) { c.readout_s = readout_s; }), HasSubstr("readout_s"));
+  for (const double delay_s : {15.0, -2.0, kNaN})
+    EXPECT_THAT(problem_after([=](Calibration& c) { c.stamp_delay_s = delay_s; }),
+                HasSubstr("stamp_delay_s"));
+  EXPECT_EQ(problem_after([](Calibration& c) { c.readout_s = -0.03, c.stamp_delay_s = 0.1; }), "");
+}
+
 TEST(Calibration, IsRegisteredOnlyWithEqualCamerasAtOnePlace) {
   Calibration calibration;
   EXPECT_TRUE(calibration.is_registered());

@@ -122,9 +122,9 @@ TEST(Codec, RefusesEveryOtherLength) {
 TEST(Codec, HostileCountsTakeNoMemory) {
   // Offsets of every count and string length; a decoder that believed 0x7fffffff would ask for gigabytes.
   const std::vector<std::pair<Message, std::vector<size_t>>> cases = {
-      {sample_session(), {300}},
+      {sample_session(), {316}},
       {sample_slice(), {145, 149}},
-      {sample_keyframe(), {140, 144, 148, 152, 156, 160}},
+      {sample_keyframe(), {188, 192, 196, 200, 204, 208}},
       {sample_loop(), {336}},
       {sample_frame(), {44, 48}},
   };
@@ -145,7 +145,7 @@ TEST(Codec, HostileCountsTakeNoMemory) {
 
 TEST(Codec, RefusesTextThatDoesNotEndWhereItSays) {
   const Bytes bytes = encode(sample_session(), 0);
-  const size_t first = 304, size = sample_session().calibration.name.size();
+  const size_t first = 320, size = sample_session().calibration.name.size();
   Bytes early = bytes, late = bytes;
   early[first + 2] = 0;
   late[first + size] = 'x';
@@ -212,16 +212,16 @@ TEST(Codec, RefusesForgedKeyframes) {
   without_thumbnail.thumbnail = {};
   const Bytes keyframe = encode(without_thumbnail, 0);
   Keyframe out;
-  EXPECT_EQ(decode(forged(keyframe, 132, -1), out), DecodeStatus::kOutOfRange);  // segment
-  const size_t scales = 164 + 4 * 4;
+  EXPECT_EQ(decode(forged(keyframe, 180, -1), out), DecodeStatus::kOutOfRange);  // segment
+  const size_t scales = 212 + 4 * 4;
   EXPECT_EQ(decode(forged(keyframe, scales, 0x7fc00000), out), DecodeStatus::kNotFinite);
   EXPECT_EQ(decode(forged(keyframe, scales, 0), out), DecodeStatus::kOutOfRange);
   for (const int32_t size : {-1, 0, 4, kMaxKeyframeDepthSize + 1}) {
-    EXPECT_EQ(decode(forged(keyframe, 148, size), out), DecodeStatus::kOutOfRange) << "width " << size;
-    EXPECT_EQ(decode(forged(keyframe, 152, size), out), DecodeStatus::kOutOfRange) << "height " << size;
+    EXPECT_EQ(decode(forged(keyframe, 196, size), out), DecodeStatus::kOutOfRange) << "width " << size;
+    EXPECT_EQ(decode(forged(keyframe, 200, size), out), DecodeStatus::kOutOfRange) << "height " << size;
   }
   // An image that is damaged, or none at all, although the checksum of the message holds.
-  const size_t image = 164 + 2 * 24 + 4, end = keyframe.size() - 4 - 4;
+  const size_t image = 212 + 2 * 24 + 4, end = keyframe.size() - 4 - 4;
   ASSERT_EQ(keyframe[image + 1], 'P');
   for (size_t i = image; i < end; ++i) {
     Bytes damaged = keyframe;

@@ -35,6 +35,8 @@ inline SessionHeader sample_session() {
   session.calibration.T_colour_depth.translation() = Eigen::Vector3d(0.025, 0.001, -0.003);
   session.calibration.depth_unit_m = 0.0002;
   session.calibration.invalid_depth = 65535;
+  session.calibration.readout_s = 0.0305;
+  session.calibration.stamp_delay_s = 0.015;
   return session;
 }
 
@@ -72,6 +74,7 @@ inline Keyframe sample_keyframe() {
   keyframe.timestamp_us = 1305031103000000;
   keyframe.segment = 2;
   keyframe.T_odom_camera = sample_pose(-1);
+  keyframe.velocity << 0.1, -0.2, 0.3, 0.04, 0.05, -0.06;
   keyframe.descriptor_type = "orb";
   keyframe.descriptor_size = 2;
   keyframe.u_px = {1.5f, 2.25f};
@@ -164,6 +167,8 @@ inline void expect_equal(const SessionHeader& a, const SessionHeader& b) {
   EXPECT_EQ(a.calibration.T_colour_depth.matrix(), b.calibration.T_colour_depth.matrix());
   EXPECT_EQ(a.calibration.depth_unit_m, b.calibration.depth_unit_m);
   EXPECT_EQ(a.calibration.invalid_depth, b.calibration.invalid_depth);
+  EXPECT_EQ(a.calibration.readout_s, b.calibration.readout_s);
+  EXPECT_EQ(a.calibration.stamp_delay_s, b.calibration.stamp_delay_s);
 }
 inline void expect_equal(const StampedPose& a, const StampedPose& b) {
   EXPECT_EQ(a.sequence, b.sequence);
@@ -203,6 +208,7 @@ inline void expect_equal(const Keyframe& a, const Keyframe& b) {
   EXPECT_EQ(a.sequence, b.sequence);
   EXPECT_EQ(a.timestamp_us, b.timestamp_us);
   EXPECT_EQ(a.T_odom_camera.matrix(), b.T_odom_camera.matrix());
+  EXPECT_EQ(a.velocity, b.velocity);
   EXPECT_EQ(a.segment, b.segment);
   EXPECT_EQ(a.descriptor_type, b.descriptor_type);
   EXPECT_EQ(a.descriptor_size, b.descriptor_size);

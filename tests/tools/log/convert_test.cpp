@@ -175,15 +175,16 @@ TEST(Convert, PosesOfAMissionBecomeATrajectory) {
   const ScratchDir scratch;
   LogSink sink(scratch / "mission.lcm");
   sink.on_session(sample_session());
-  for (int64_t i = 0; i < 5; ++i) sink.on_pose(sample_stamped_pose(i));
+  Trajectory measured;
+  for (int64_t i = 0; i < 5; ++i) sink.on_pose(measured.emplace_back(sample_stamped_pose(i)));
   sink.close();
   convert((scratch / "mission.lcm").string(), scratch / "trajectory.txt", {});
-  const Trajectory trajectory = read_trajectory(scratch / "trajectory.txt");
+  const Trajectory trajectory = read_trajectory(scratch / "trajectory.txt"),
+                   expected = at_stamps(measured, sample_session().calibration.stamp_delay_s);
   ASSERT_EQ(trajectory.size(), 5u);
-  for (int64_t i = 0; i < 5; ++i) {
-    EXPECT_EQ(trajectory[static_cast<size_t>(i)].timestamp_us, sample_stamped_pose(i).timestamp_us);
-    EXPECT_TRUE(trajectory[static_cast<size_t>(i)].T_odom_camera.isApprox(
-        sample_stamped_pose(i).T_odom_camera, 1e-8));
+  for (size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(trajectory[i].timestamp_us, expected[i].timestamp_us);
+    EXPECT_TRUE(trajectory[i].T_odom_camera.isApprox(expected[i].T_odom_camera, 1e-8));
   }
 }
 
