@@ -5,12 +5,12 @@
 namespace kt {
 namespace {
 
-constexpr double kKeyframe_s = 0.02;    // looking for its loops
-constexpr double kPose_s = 5e-4;        // of the graph
-constexpr double kAdjusted_s = 0.03;    // a keyframe's features
-constexpr double kBentVertex_s = 4e-6;  // of a slice
-constexpr double kVertex_s = 2e-6;      // of the mesh, written
-constexpr double kFrame_s = 0.09;       // fused anew
+constexpr double kKeyframe_s = 0.014;   // looking for its loops
+constexpr double kPose_s = 1.6e-4;      // of the graph
+constexpr double kAdjusted_s = 0.025;   // a keyframe's features
+constexpr double kBentVertex_s = 6e-6;  // of a slice
+constexpr double kFrame_s = 0.07;       // fused anew
+constexpr double kVertex_s = 1e-6;      // of the mesh, written
 
 }  // namespace
 

@@ -40,7 +40,7 @@ SurfaceSource surface_source(const MapOptions& options, const Session& session,
   }
   const auto without = std::find_if(indices.begin(), indices.end(),
                                     [](const LogIndex& index) { return index.raw_frames == 0; });
-  const bool has_camera = session.header.calibration.problem().empty();  // its event may be lost
+  const bool has_camera = !session.integrity.session_missing;
   if (without == indices.end() && has_camera) return SurfaceSource::kFrames;
   if (options.surface == SurfaceChoice::kAuto) return SurfaceSource::kSlices;
   const auto log = without == indices.end() ? 0 : static_cast<size_t>(without - indices.begin());

@@ -67,7 +67,7 @@ std::vector<LoopClosure> find_loops(const Session& session, const LoopOptions& c
                                     const std::function<void(double)>& progress) {
   if (config.source == LoopSource::kLog) return session.loop_closures;
   // A log that has lost its session event has lost its camera too.
-  if (config.source == LoopSource::kNone || !session.header.calibration.problem().empty()) return {};
+  if (config.source == LoopSource::kNone || session.integrity.session_missing) return {};
   std::vector<LoopClosure> candidates;
   Searched searched(session, config.search, threads);
   searched.look(placed_mission(session, {}, {}, {}), candidates,

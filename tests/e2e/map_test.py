@@ -88,6 +88,11 @@ class MapTest(ProgramTest):
         residuals = report["optimisation"]["residuals"]
         self.assertGreater(residuals["edges_between_segments"], 1, residuals)
         self.assertFalse((out / "segment-1").exists())
+        files = self.files(out)
+        (out / "stages" / "deform-0").unlink()
+        self.map_with("joined", *logs)
+        self.assertEqual(self.taken(out), ["load", "loops", "optimise", "refine"])
+        self.assertEqual(self.files(out), files)
         error = self.evaluate("trajectory", estimate=out / "trajectory.txt", groundtruth=truth)
         self.assertLess(error["ate"]["rmse_m"], 0.01)
         apart = self.report(self.map_with("apart", *logs, "--loops", "none"))

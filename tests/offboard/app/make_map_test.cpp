@@ -13,6 +13,8 @@
 #include "shared/io/g2o.h"
 #include "shared/io/ply.h"
 #include "shared/io/trajectory_file.h"
+#include "shared/wire/codec.h"
+#include "shared/wire/event_log.h"
 #include "tests/shared/wire/sample_messages.h"
 
 namespace kt {
@@ -305,6 +307,23 @@ TEST(MakeMap, ADamagedStageIsMadeAnew) {
     EXPECT_EQ(taken(output).size(), 4u);
     expect_same_map(output, folder / "whole");
   }
+}
+
+TEST(MakeMap, RawFramesWithoutTheirSessionGiveWayToSlices) {
+  const ScratchDir folder;
+  EventLogWriter writer(folder / "a.lcm");
+  const auto write = [&](const auto& message, int64_t sequence) {
+    writer.write(channel_of<std::decay_t<decltype(message)>>(), 0, encode(message, sequence));
+  };
+  for (int64_t i = 0; i < 3; ++i) write(pose_of(i, 0, std::max<int64_t>(0, i - 1), kGood), i);
+  write(sample_frame(), 0);
+  write(slice_of(0, 0, true), 0);
+  writer.close();
+  MapOptions options = whole({{folder / "a.lcm"}, folder / "map"});
+  make_map(options);
+  EXPECT_EQ(report_without_run(folder / "map")["segments"]["list"][0]["surface"], "slices");
+  options.surface = SurfaceChoice::kFrames;
+  EXPECT_NE(error_of(options).find("has lost its session event"), std::string::npos);
 }
 
 TEST(MakeMap, NothingKeptAndNothingMadeIsWrongUse) {

@@ -98,10 +98,10 @@ TEST(PlaceMission, TheCollectorsClosuresServeToo) {
   EXPECT_LT(largest_error_m(placed), 0.1);
 }
 
-TEST(PlaceMission, WithoutACalibrationOdometryStands) {
+TEST(PlaceMission, WithoutTheSessionEventOdometryStands) {
   Session session = turning();
-  session.header.calibration = {};
-  EXPECT_FALSE(place_mission(session, {}, kNobody).is_optimised());
+  session.integrity.session_missing = true;
+  EXPECT_FALSE(place_mission(session, {}, kNobody).is_optimised()) << "nobody knows the camera";
 }
 
 TEST(PlaceMission, AKeyframeWithoutItsPoseIsLeftOut) {
