@@ -36,6 +36,7 @@ class NullSink final : public MessageSink {
   void on_status(MissionStatus) override {}
   void on_raw_frame(RgbdFrame) override {}
   void on_motion_sample(MotionSample) override {}
+  void on_load(LoadReport) override {}
   void close() override {}
 };
 

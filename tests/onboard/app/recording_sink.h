@@ -12,7 +12,7 @@
 
 namespace kt::test {
 
-struct RecordingSink final : MessageSink {
+struct RecordingSink : MessageSink {
   std::vector<std::string> calls;  ///< in order, without the prefix "on_"
   std::vector<SessionHeader> sessions;
   std::vector<StampedPose> poses;

@@ -162,6 +162,7 @@ struct HungSink final : MessageSink {
   void on_status(MissionStatus) override {}
   void on_raw_frame(RgbdFrame) override {}
   void on_motion_sample(MotionSample) override {}
+  void on_load(LoadReport) override {}
   void close() override {}
 };
 

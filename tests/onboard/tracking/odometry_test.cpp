@@ -87,7 +87,7 @@ TEST(Odometry, OfACameraOnABodyBeginsWhereTheBodyIs) {
     const StampedPose pose = odometry.track(maps, sequence == 0 ? nullptr : &view, predict, {}, sequence);
     ASSERT_EQ(pose.status, TrackingStatus::kGood) << sequence;
     EXPECT_POSE_NEAR(pose.T_odom_camera, truth, 0.2, 2e-3);
-    odometry.remember(maps, predict(pose.T_odom_camera));
+    odometry.remember(maps, &predict(pose.T_odom_camera));
   }
 }
 
