@@ -60,8 +60,10 @@ bool LogSink::Queue::wait_for_disk(std::unique_lock<std::mutex>& lock, const Rea
     changed.wait(lock, ready);
     return true;
   }
-  while (!changed.wait_for(lock, kLookForEnd, ready))
+  while (!ready()) {
     if (is_late()) return false;
+    changed.wait_for(lock, kLookForEnd, ready);
+  }
   return true;
 }
 

@@ -39,7 +39,7 @@ class InterruptionTest(ProgramTest):
                 self.assertGreater(vertices, 1000)
 
     def test_full_disk_is_one_clear_error(self):
-        self.run_badly("collect", "--input", f"tum:{WORK / 'small'}", "--log", "/dev/full", naming=["/dev/full"])
+        self.run_badly("collect", "--quiet", "--input", f"tum:{WORK / 'small'}", "--log", "/dev/full", naming=["/dev/full"])
 
     def test_disk_that_fills_up_keeps_what_was_logged(self):
         log = self.folder / "mission.lcm"
@@ -49,7 +49,7 @@ class InterruptionTest(ProgramTest):
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
 
-        self.run_badly("collect", "--input", f"tum:{WORK / 'small'}", "--log", log, naming=[log],
+        self.run_badly("collect", "--quiet", "--input", f"tum:{WORK / 'small'}", "--log", log, naming=[log],
                        preexec_fn=limit_files, restore_signals=False)
         self.assertGreater(self.poses(log), 0)
 

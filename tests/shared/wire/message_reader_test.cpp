@@ -117,8 +117,8 @@ TEST(MessageReader, EveryTruncationKeepsTheWholeEventsBefore) {
 }
 
 TEST(MessageReader, CountsGapsPerChannel) {
-  // Poses stand at 1, 7, 8 and 9; the slice at 2.
-  const Bytes log = log_of(small_mission(), {1, 8});
+  // Poses stand at 1, 9, 10 and 11; the slice at 2.
+  const Bytes log = log_of(small_mission(), {1, 10});
   MessageReader reader(EventLogReader(log, "test"));
   while (reader.next()) {
   }
@@ -187,7 +187,7 @@ TEST(MessageReader, SkippedTypesAreStillCheckedAndCounted) {
                  std::holds_alternative<CloudSlice>(*message));
     ++count;
   }
-  EXPECT_EQ(count, 6u);
+  EXPECT_EQ(count, 7u);
   EXPECT_EQ(reader.channels()[message_index<StampedPose>()].messages, 3);
   EXPECT_EQ(reader.channels()[message_index<StampedPose>()].damaged, 1);
   EXPECT_FALSE(reader.integrity().final_slice_missing);  // nobody looked
