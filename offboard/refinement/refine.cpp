@@ -24,12 +24,9 @@ struct Views {
 
 Views views_of(const Session& session, const OptimisedGraph& solution) {
   std::map<int64_t, int> node;  // by sequence
-  for (const StampedPose& pose : session.trajectory) {
-    if (pose.status == TrackingStatus::kGood) node.emplace(pose.sequence, -1);
-  }
   for (size_t i = 0; i < session.trajectory.size(); ++i) {
-    if (const auto found = node.find(session.trajectory[i].sequence); found != node.end())
-      found->second = static_cast<int>(i);
+    const StampedPose& pose = session.trajectory[i];
+    if (pose.status == TrackingStatus::kGood) node.emplace(pose.sequence, static_cast<int>(i));
   }
   Views views{{}, {}, {ObservationModel(session.header.calibration), {}, {}}};
   for (const Keyframe& keyframe : session.keyframes) {
