@@ -36,24 +36,17 @@ struct LogSink::Queue {
   std::condition_variable changed;
   std::deque<LogItem> items;
   StorageState state;
-  std::optional<Clock::time_point> end_by;
-  bool stopping = false, is_done = false;
+  Clock::duration waited{0};  ///< since the end was called
+  bool stopping = false, is_late = false, is_done = false;
   std::exception_ptr failure;
 
   void run();
   void write_next(std::unique_lock<std::mutex>& lock);
-  bool is_late();
   template <typename Ready>
   bool wait_for_disk(std::unique_lock<std::mutex>& lock, const Ready& ready);
 };
 
-// Whether the end was called so long ago that nobody waits any more.
-bool LogSink::Queue::is_late() {
-  if (!end_by && end.called && end.called->load()) end_by = Clock::now() + end.patience;
-  return end_by && Clock::now() >= *end_by;
-}
-
-// False where it is too late.
+// Waits for the thread to make progress; false where that has taken too long since the end was called.
 template <typename Ready>
 bool LogSink::Queue::wait_for_disk(std::unique_lock<std::mutex>& lock, const Ready& ready) {
   if (!end.called) {
@@ -61,8 +54,12 @@ bool LogSink::Queue::wait_for_disk(std::unique_lock<std::mutex>& lock, const Rea
     return true;
   }
   while (!ready()) {
-    if (is_late()) return false;
+    const bool is_called = end.called->load();
+    is_late = is_late || (is_called && waited >= end.patience);
+    if (is_late) return false;
+    const auto begin = Clock::now();
     changed.wait_for(lock, kLookForEnd, ready);
+    if (is_called) waited += Clock::now() - begin;
   }
   return true;
 }
@@ -99,7 +96,7 @@ void LogSink::Queue::write_next(std::unique_lock<std::mutex>& lock) {
     items.pop_front();
     changed.notify_all();
   }
-  const bool too_late = is_late();
+  const bool too_late = is_late;
   lock.unlock();
   if (item && too_late) store.drop(*item);
   if (item && !too_late) store.store(*item);

@@ -19,8 +19,8 @@ namespace kt {
 class LogSink final : public MessageSink {
  public:
   using Options = LogStore::Options;
-  /// Once `called` is set, by a signal handler perhaps, nobody waits for the disk longer than `patience` in
-  /// all; what still waits for it then is dropped and counted.
+  /// Once `called` is set, by a signal handler perhaps, callers wait for the disk for `patience` in all
+  /// and no longer; what still waits for it then is dropped and counted.
   struct End {
     const std::atomic<bool>* called = nullptr;
     std::chrono::milliseconds patience{2500};
