@@ -191,11 +191,15 @@ TEST(LogSink, WhatComesTooLateIsDroppedAndCounted) {
   LogSink sink(folder / "a.lcm", {}, {.called = &end, .patience = {}});
   run_mission(sink);
   sink.close();
-  MessageReader reader(folder / "a.lcm");
-  while (reader.next())
-    ;
   EXPECT_GT(sink.storage().poses, 0);
-  EXPECT_EQ(sink.storage().poses + reader.channels()[message_index<StampedPose>()].messages, kFrames);
+  int64_t stored = 0;
+  if (std::filesystem::exists(folder / "a.lcm")) {  // it may have been too late for the first event, too
+    MessageReader reader(folder / "a.lcm");
+    while (reader.next()) {
+    }
+    stored = reader.channels()[message_index<StampedPose>()].messages;
+  }
+  EXPECT_EQ(sink.storage().poses + stored, kFrames);
 }
 
 TEST(LogSink, AStuckDiskMakesTheCallerWait) {
