@@ -112,6 +112,7 @@ void load_slices(std::span<const MissionLog> logs, const std::function<void(Clou
     reader.skip<CompressedFrame>();
     reader.skip<MotionSample>();
     reader.skip<LoadReport>();
+    reader.skip<BodyPose>();
     while (std::optional<Message> message = reader.next()) {
       auto* slice = std::get_if<CloudSlice>(&*message);
       if (slice == nullptr) continue;

@@ -55,6 +55,7 @@ struct Gatherer {
   void operator()(CompressedFrame&&) {}
   void operator()(MotionSample&&) {}
   void operator()(LoadReport&&) {}
+  void operator()(BodyPose&&) {}
 };
 
 // What the gatherer has, once it has all.
@@ -78,6 +79,7 @@ Session load_session(const std::filesystem::path& path, const Progress& progress
   reader.skip<CompressedFrame>();
   reader.skip<MotionSample>();
   reader.skip<LoadReport>();
+  reader.skip<BodyPose>();
   Gatherer gatherer{path};
   LogIndex found;
   while (std::optional<Message> message = reader.next()) {

@@ -44,6 +44,17 @@ LcmSink::Counts LcmSink::counts() const {
   return counts_;
 }
 
+void LcmSink::on_session(SessionHeader session) {
+  calibration_ = session.calibration;
+  put_small(std::move(session));
+}
+
+void LcmSink::on_pose(StampedPose pose) {
+  put_small(body_pose(pose, last_pose_ ? &*last_pose_ : nullptr, calibration_));
+  last_pose_ = pose;
+  put_small(std::move(pose));
+}
+
 void LcmSink::on_status(MissionStatus status) {
   if (const Clock::time_point now = Clock::now(); now >= next_temperature_) {
     temperature_c_ = hottest_temperature_c().value_or(0);

@@ -8,6 +8,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <variant>
 #include <vector>
@@ -43,8 +44,9 @@ class LcmSink final : public MessageSink {
   LcmSink(std::shared_ptr<LcmBus> bus, const Options& options);
   ~LcmSink() override;
 
-  void on_session(SessionHeader session) override { put_small(std::move(session)); }
-  void on_pose(StampedPose pose) override { put_small(std::move(pose)); }
+  void on_session(SessionHeader session) override;
+  /// With the BodyPose that follows from it.
+  void on_pose(StampedPose pose) override;
   void on_slice(CloudSlice slice) override { put_large(std::move(slice)); }
   void on_keyframe(Keyframe keyframe) override { put_large(std::move(keyframe)); }
   void on_loop_closure(LoopClosure loop) override { put_small(std::move(loop)); }
@@ -61,7 +63,7 @@ class LcmSink final : public MessageSink {
   Counts counts() const;
 
  private:
-  using Small = std::variant<SessionHeader, StampedPose, LoopClosure, MissionStatus, LoadReport>;
+  using Small = std::variant<SessionHeader, StampedPose, LoopClosure, MissionStatus, LoadReport, BodyPose>;
   using Large = std::variant<CloudSlice, Keyframe>;
   using Clock = std::chrono::steady_clock;
 
@@ -78,8 +80,12 @@ class LcmSink final : public MessageSink {
 
   std::shared_ptr<LcmBus> bus_;
   const Options options_;
-  int temperature_c_ = 0;  ///< as MissionStatus; used by the caller's thread alone, like the next
+
+  // Used by the caller's thread alone.
+  int temperature_c_ = 0;  ///< as MissionStatus
   Clock::time_point next_temperature_{};
+  Calibration calibration_;
+  std::optional<StampedPose> last_pose_;
 
   mutable std::mutex mutex_;  ///< guards all of the following
   std::condition_variable changed_;

@@ -27,10 +27,6 @@ const char* to_string(TrackingCause cause) {
   return name_of(kNames, static_cast<size_t>(cause));
 }
 
-namespace {
-
-// Twist of the camera in its own frame from one pose to the next, per second; nothing where they do not
-// follow each other.
 std::optional<Vector6d> velocity_between(const StampedPose& from, const StampedPose& to) {
   constexpr double kLongestStep_s = 0.2;  // beyond, a camera that is held by hand may have gone anywhere
   const double dt_s = static_cast<double>(to.timestamp_us - from.timestamp_us) * 1e-6;
@@ -39,8 +35,6 @@ std::optional<Vector6d> velocity_between(const StampedPose& from, const StampedP
     return std::nullopt;
   return log_se3(from.T_odom_camera.inverse() * to.T_odom_camera) / dt_s;
 }
-
-}  // namespace
 
 std::vector<Vector6d> velocities(const Trajectory& trajectory) {
   std::vector<Vector6d> result(trajectory.size(), Vector6d::Zero());

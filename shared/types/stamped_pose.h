@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "shared/geometry/se3.h"
@@ -86,6 +87,10 @@ struct StampedPose {
 };
 
 using Trajectory = std::vector<StampedPose>;
+
+/// Twist of the camera in its own frame from one pose to the next, [rad/s; m/s]; nothing where they do not
+/// follow each other: another segment, a lost one, too long a gap.
+std::optional<Vector6d> velocity_between(const StampedPose& from, const StampedPose& to);
 
 /// Of the camera in its own frame at each pose, [rad/s; m/s]: the mean of the motions before and after it, as
 /// far as good or uncertain poses of its segment follow each other; zero where nothing is known.

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "shared/types/body_pose.h"
 #include "shared/types/load_report.h"
 #include "shared/types/session.h"
 #include "shared/wire/compressed_frame.h"
@@ -16,11 +17,11 @@ namespace kt {
 
 /// Every message that travels, in the order of kChannels.
 using Message = std::variant<SessionHeader, StampedPose, CloudSlice, Keyframe, LoopClosure, MissionStatus,
-                             CompressedFrame, MotionSample, LoadReport>;
+                             CompressedFrame, MotionSample, LoadReport, BodyPose>;
 
 inline constexpr std::array<std::string_view, std::variant_size_v<Message>> kChannels = {
     "KINTSUGI_SESSION", "KINTSUGI_POSE", "KINTSUGI_SLICE",  "KINTSUGI_KEYFRAME", "KINTSUGI_LOOP",
-    "KINTSUGI_STATUS",  "KINTSUGI_RGBD", "KINTSUGI_MOTION", "KINTSUGI_LOAD"};
+    "KINTSUGI_STATUS",  "KINTSUGI_RGBD", "KINTSUGI_MOTION", "KINTSUGI_LOAD",     "KINTSUGI_BODY_POSE"};
 
 /// Where T stands in Message and kChannels.
 template <typename T, size_t I = 0>

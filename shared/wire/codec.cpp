@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "kintsugi/body_pose_t.hpp"
 #include "kintsugi/cloud_slice_t.hpp"
 #include "kintsugi/load_t.hpp"
 #include "kintsugi/motion_t.hpp"
@@ -27,6 +28,7 @@ const MessageLayout kStatusLayout{.fixed_bytes = 198};
 const MessageLayout kFrameLayout{.fixed_bytes = 52, .arrays = {{44, 1}, {48, 1}}};
 const MessageLayout kMotionLayout{.fixed_bytes = 198};
 const MessageLayout kLoadLayout{.fixed_bytes = 165};
+const MessageLayout kBodyPoseLayout{.fixed_bytes = 185};
 
 }  // namespace
 
@@ -342,6 +344,27 @@ DecodeStatus decode(std::span<const uint8_t> bytes, LoadReport& load) {
     value.stages[i] = {message.median_ms[i], message.p95_ms[i], message.max_ms[i]};
   value.effort = static_cast<Effort>(message.effort);
   return accept(std::move(value), load);
+}
+
+std::vector<uint8_t> encode(const BodyPose& body, int64_t message_sequence) {
+  check_valid(body, message_sequence);
+  kintsugi::body_pose_t message{};
+  message.frame = body.sequence;
+  pack(body.T_odom_body, message.T_odom_body);
+  Vector6d::Map(message.velocity) = body.velocity;
+  message.segment = body.segment;
+  message.status = static_cast<int8_t>(body.status);
+  return seal(message, kBodyPoseLayout, message_sequence, body.timestamp_us);
+}
+
+DecodeStatus decode(std::span<const uint8_t> bytes, BodyPose& body) {
+  kintsugi::body_pose_t message{};
+  if (const DecodeStatus status = open(bytes, kBodyPoseLayout, message); status != DecodeStatus::kOk)
+    return status;
+  return accept(
+      BodyPose{message.frame, message.header.timestamp_us, unpack_pose(message.T_odom_body),
+               Vector6d(message.velocity), message.segment, static_cast<TrackingStatus>(message.status)},
+      body);
 }
 
 }  // namespace kt

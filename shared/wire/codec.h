@@ -40,6 +40,7 @@ std::vector<uint8_t> encode(const MissionStatus& status, int64_t message_sequenc
 std::vector<uint8_t> encode(const CompressedFrame& frame, int64_t message_sequence);
 std::vector<uint8_t> encode(const MotionSample& sample, int64_t message_sequence);
 std::vector<uint8_t> encode(const LoadReport& load, int64_t message_sequence);
+std::vector<uint8_t> encode(const BodyPose& body, int64_t message_sequence);
 
 /// Decodes `bytes`, trusting nothing in them: every length is checked before memory is taken, every value
 /// before it is returned. The output is assigned only on kOk.
@@ -52,6 +53,7 @@ std::vector<uint8_t> encode(const LoadReport& load, int64_t message_sequence);
 [[nodiscard]] DecodeStatus decode(std::span<const uint8_t> bytes, CompressedFrame& frame);
 [[nodiscard]] DecodeStatus decode(std::span<const uint8_t> bytes, MotionSample& sample);
 [[nodiscard]] DecodeStatus decode(std::span<const uint8_t> bytes, LoadReport& load);
+[[nodiscard]] DecodeStatus decode(std::span<const uint8_t> bytes, BodyPose& body);
 
 /// The fields that lie at fixed offsets in every message of ours.
 struct MessageStamp {

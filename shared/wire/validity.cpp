@@ -186,4 +186,10 @@ DecodeStatus validity(const LoadReport& load) {
   return sane ? kOk : kOutOfRange;
 }
 
+DecodeStatus validity(const BodyPose& body) {
+  const bool sane = is_count(body.sequence) && is_stamp(body.timestamp_us) && is_segment(body.segment) &&
+                    body.status <= TrackingStatus::kLost;
+  return sane ? first_of({check_velocity(body.velocity), check_pose(body.T_odom_body)}) : kOutOfRange;
+}
+
 }  // namespace kt

@@ -19,5 +19,6 @@ DecodeStatus validity(const MissionStatus& status);
 DecodeStatus validity(const CompressedFrame& frame);
 DecodeStatus validity(const MotionSample& sample);
 DecodeStatus validity(const LoadReport& load);
+DecodeStatus validity(const BodyPose& body);
 
 }  // namespace kt

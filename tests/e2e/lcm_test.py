@@ -41,6 +41,10 @@ def stamp(message):
     return struct.unpack_from(">q", message, 16)[0]
 
 
+def frame_of(pose):
+    return struct.unpack_from(">q", pose, 28)[0]
+
+
 def triangles(message):
     return struct.unpack_from(">i", message, 149)[0]
 
@@ -150,6 +154,8 @@ class LcmTest(ProgramTest):
             for channel in SMALL_RESULTS:
                 self.assertEqual(messages(heard, channel), messages(log, channel), channel)
             self.assertEqual(sum(map(triangles, messages(heard, "SLICE"))), sum(map(triangles, messages(log, "SLICE"))))
+            self.assertEqual(list(map(frame_of, messages(heard, "BODY_POSE"))), list(map(frame_of, messages(log, "POSE"))))
+        self.assertEqual(messages(log, "BODY_POSE"), [])
         for slice_part in messages(heard, "SLICE"):
             self.assertLess(len(slice_part), 60_000)
 

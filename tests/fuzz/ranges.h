@@ -114,5 +114,10 @@ inline bool hold(const LoadReport& load) {
                   std::isfinite(stage.median_ms + stage.p95_ms + stage.max_ms);
          });
 }
+inline bool hold(const BodyPose& body) {
+  return hold(body.sequence) && is_stamp(body.timestamp_us) && hold(body.T_odom_body) &&
+         body.velocity.cwiseAbs().maxCoeff() <= 1e4 && body.segment >= 0 &&
+         static_cast<int>(body.status) <= 2;
+}
 
 }  // namespace kt::ranges

@@ -84,12 +84,14 @@ TEST(LcmSink, EveryTypeArrivesAsItIs) {
   sink.on_status(sample_status());
   sink.close();
   listener.receive_all();
-  EXPECT_EQ(listener.messages().size(), 6u);
-  EXPECT_EQ(sink.counts().messages, 6);
+  EXPECT_EQ(listener.messages().size(), 7u);  // with the pose of the body
+  EXPECT_EQ(sink.counts().messages, 7);
   EXPECT_EQ(sink.counts().dropped + sink.counts().refused, 0);
   EXPECT_GT(sink.counts().bytes, 1000);
   ASSERT_EQ(listener.all<StampedPose>().size(), 1u);
   expect_equal(listener.all<StampedPose>()[0], sample_stamped_pose());
+  expect_equal(listener.all<BodyPose>().at(0),
+               body_pose(sample_stamped_pose(), nullptr, sample_session().calibration));
   expect_equal(listener.all<SessionHeader>()[0], sample_session());
   expect_equal(listener.all<Keyframe>()[0], sample_keyframe());
   expect_equal(listener.all<CloudSlice>()[0], sample_slice());
@@ -125,9 +127,10 @@ TEST(LcmSink, PosesDoNotWaitForSlices) {
   LcmSink sink(listener.bus(), {.bytes_per_second = 1, .longest_close = milliseconds(0)});
   sink.on_slice(long_slice(20'000));  // its second part comes in a day
   for (int64_t i = 0; i < 10; ++i) sink.on_pose(sample_stamped_pose(i));
-  while (sink.counts().messages < 11) std::this_thread::yield();
+  while (sink.counts().messages < 21) std::this_thread::yield();
   listener.receive_all();
   EXPECT_EQ(listener.all<StampedPose>().size(), 10u);
+  EXPECT_EQ(listener.all<BodyPose>().size(), 10u);
   EXPECT_EQ(listener.all<CloudSlice>().size(), 1u);
   sink.close();
   EXPECT_GT(sink.counts().dropped, 10);  // the other parts
@@ -164,8 +167,8 @@ TEST(LcmSink, WhoeverPublishesIsNotHeldUpByAFullQueue) {
   }
   sink.close();
   const LcmSink::Counts counts = sink.counts();
-  EXPECT_EQ(counts.messages + counts.dropped, 40'000);
-  EXPECT_GT(counts.dropped, 19'000);
+  EXPECT_EQ(counts.messages + counts.dropped, 60'000);  // two for each pose
+  EXPECT_GT(counts.dropped, 29'000);
 }
 
 TEST(LcmSink, AValueThatNoMessageHoldsIsCountedAndTheRestGoesOn) {

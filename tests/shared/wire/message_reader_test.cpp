@@ -187,7 +187,7 @@ TEST(MessageReader, SkippedTypesAreStillCheckedAndCounted) {
                  std::holds_alternative<CloudSlice>(*message));
     ++count;
   }
-  EXPECT_EQ(count, 7u);
+  EXPECT_EQ(count, 8u);
   EXPECT_EQ(reader.channels()[message_index<StampedPose>()].messages, 3);
   EXPECT_EQ(reader.channels()[message_index<StampedPose>()].damaged, 1);
   EXPECT_FALSE(reader.integrity().final_slice_missing);  // nobody looked

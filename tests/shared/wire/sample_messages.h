@@ -158,6 +158,12 @@ inline LoadReport sample_load() {
   return load;
 }
 
+inline BodyPose sample_body_pose() {
+  Vector6d velocity;
+  velocity << -0.3, 0.1, 0.25, 0.5, -1.0 / 3, 0;
+  return {42, 1305031103330000, sample_pose(0.4), velocity, 2, TrackingStatus::kUncertain};
+}
+
 /// One of each, in the order of kChannels.
 inline std::vector<Message> sample_messages() {
   return {sample_session(),
@@ -168,7 +174,8 @@ inline std::vector<Message> sample_messages() {
           sample_status(),
           sample_frame(),
           sample_motion(),
-          sample_load()};
+          sample_load(),
+          sample_body_pose()};
 }
 
 inline void expect_equal(const Vec3f& a, const Vec3f& b) {
@@ -312,6 +319,14 @@ inline void expect_equal(const LoadReport& a, const LoadReport& b) {
     EXPECT_EQ(a.stages[i].p95_ms, b.stages[i].p95_ms) << i;
     EXPECT_EQ(a.stages[i].max_ms, b.stages[i].max_ms) << i;
   }
+}
+inline void expect_equal(const BodyPose& a, const BodyPose& b) {
+  EXPECT_EQ(a.sequence, b.sequence);
+  EXPECT_EQ(a.timestamp_us, b.timestamp_us);
+  EXPECT_EQ(a.T_odom_body.matrix(), b.T_odom_body.matrix());
+  EXPECT_EQ(a.velocity, b.velocity);
+  EXPECT_EQ(a.segment, b.segment);
+  EXPECT_EQ(a.status, b.status);
 }
 inline void expect_equal(const Message& a, const Message& b) {
   ASSERT_EQ(a.index(), b.index());
