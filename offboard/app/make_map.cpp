@@ -16,6 +16,7 @@
 #include "offboard/report/map_report.h"
 #include "offboard/session/join_sessions.h"
 #include "shared/core/check.h"
+#include "shared/io/calibration_file.h"
 #include "shared/io/file.h"
 #include "shared/wire/log_parts.h"
 
@@ -131,6 +132,7 @@ class MapRun {
     const size_t main = main_group(groups_);
     const std::vector<GroupMap> maps =
         stages_.run_always("mesh", [&](const TellShare& tell) { return write_maps(main, tell); });
+    write_corrected_calibration();
     RunFigures run{{}, stages_.done(), peak_memory_bytes()};
     for (const std::filesystem::path& log : options_.logs) run.logs.push_back(log.string());
     write_file(options_.output / "report.json",
@@ -177,6 +179,14 @@ class MapRun {
       tell_of_group(1);
     }
     return maps;
+  }
+
+  // For the camera's next mission; that of an earlier run is no longer true.
+  void write_corrected_calibration() {
+    const std::filesystem::path path = options_.output / kCorrectedCalibration;
+    if (refinement_.change.is_none()) return remove_file(path);
+    write_calibration(path, joined_.session.header.calibration);
+    files_.push_back(described(options_.output, path));
   }
 
   const MapOptions& options_;

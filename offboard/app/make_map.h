@@ -51,11 +51,14 @@ struct MapOptions {
   int threads = 0;  ///< of the CPU; 0: one per core
 };
 
+/// What refinement has found of the camera, to be given to its next mission as --calibration.
+inline constexpr const char* kCorrectedCalibration = "corrected_calibration.yaml";
+
 /// Joins the logs and writes map.ply (or another format), trajectory.txt and poses.g2o of the main group
 /// (main_group) and report.json to options.output; what else has good frames or surface goes to folders
-/// segment-N there. What an earlier run has kept of the same is taken from output/stages: the files are the
-/// same as without. Returns a summary of a few lines for people. Throws kt::Error where the log is no
-/// mission, or the output cannot be written.
+/// segment-N there, a calibration that refinement has changed to kCorrectedCalibration. What an earlier run
+/// has kept of the same is taken from output/stages: the files are the same as without. Returns a summary of
+/// a few lines for people. Throws kt::Error where the log is no mission, or the output cannot be written.
 std::string make_map(const MapOptions& options, const StageProgress& progress = {});
 
 }  // namespace kt

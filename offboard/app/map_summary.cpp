@@ -69,7 +69,8 @@ std::string refined_text(const Refinement& refinement) {
     if (step.is_kept) kept = listed(kept, step.name);
   }
   if (kept.empty()) return {};
-  return "refined by " + std::to_string(refinement.tracks) + " features: " + kept + "\n";
+  const std::string file = refinement.change.is_none() ? "" : std::string("; see ") + kCorrectedCalibration;
+  return "refined by " + std::to_string(refinement.tracks) + " features: " + kept + file + "\n";
 }
 
 std::string map_text(std::span<const GroupMap> maps, size_t main, const MapOptions& options) {

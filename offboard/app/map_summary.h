@@ -16,7 +16,8 @@ std::string log_text(const Session& session);
 std::string candidates_text(std::span<const LoopClosure> candidates);
 /// "graph: 181 closures believed, 0 not\n"
 std::string placed_text(const PlacedMission& placed);
-/// "refined by 6992 features: poses\n", and what of the calibration was changed; nothing where nothing was.
+/// "refined by 6992 features: poses\n", what of the calibration was changed, and where that stands; nothing
+/// where nothing was.
 std::string refined_text(const Refinement& refinement);
 /// Size and source of the main map, where everything lies, and what is not as it should be.
 std::string map_text(std::span<const GroupMap> maps, size_t main, const MapOptions& options);

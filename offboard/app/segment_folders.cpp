@@ -51,6 +51,11 @@ void create_folder(const fs::path& folder) {
 
 std::string map_file(const std::string& format) { return std::string(kMap) + format; }
 
+MapFile described(const fs::path& output, const fs::path& path) {
+  const FileDigest written = digest_of_file(path);
+  return {path.lexically_relative(output).string(), written.bytes, written.digest.hex()};
+}
+
 std::vector<MapFile> write_group(const fs::path& output, const GroupMap& map, const PlacedMission& placed,
                                  const Calibration& calibration, const std::vector<std::string>& formats) {
   const fs::path folder = map.folder == "." ? output : output / map.folder;
@@ -65,11 +70,7 @@ std::vector<MapFile> write_group(const fs::path& output, const GroupMap& map, co
                    at_stamps(map.group.trajectory(), calibration.stamp_delay_s));
   write_g2o(folder / names.emplace_back(kPoses), graph_of(map.group, placed));
   std::vector<MapFile> files;
-  for (const std::string& name : names) {
-    const FileDigest written = digest_of_file(folder / name);
-    files.push_back(
-        {(folder / name).lexically_relative(output).string(), written.bytes, written.digest.hex()});
-  }
+  for (const std::string& name : names) files.push_back(described(output, folder / name));
   return files;
 }
 

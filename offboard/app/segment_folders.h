@@ -19,6 +19,9 @@ void create_folder(const std::filesystem::path& folder);
 /// "map.glb"
 std::string map_file(const std::string& format);
 
+/// Name within `output`, size and digest of the file at `path`.
+MapFile described(const std::filesystem::path& output, const std::filesystem::path& path);
+
 /// Writes the map in every one of `formats` (ply, obj, glb, pcd), trajectory.txt and poses.g2o to map.folder
 /// within `output`, replacing what stands there; says what was written.
 std::vector<MapFile> write_group(const std::filesystem::path& output, const GroupMap& map,

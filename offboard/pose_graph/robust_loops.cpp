@@ -61,6 +61,16 @@ std::vector<double> joined(const IndexedGraph& graph, const std::vector<char>& u
   }
 }
 
+/// The scale of odometry by the loops between segments too, once those are joined: long ways may have none
+/// within one. What joins them counts as exact, so that short ways over it tell nothing.
+double scale_across_joints(const IndexedGraph& graph, std::vector<double> joined_scales) {
+  constexpr double kExact = 1e-6;
+  for (size_t e = 0; e < graph.edges.size(); ++e) {
+    if (graph.edges[e].is_loop && joined_scales[e] > 0) joined_scales[e] = kExact;
+  }
+  return measured_odometry_scale(graph, OdometryForest(graph, joined_scales));
+}
+
 /// Rejects the loops between trees of `forest`.
 void reject_unconfirmed(const IndexedGraph& graph, const OdometryForest& forest, LoopDecision& decision) {
   for (size_t e = 0; e < graph.edges.size(); ++e) {
@@ -206,7 +216,10 @@ LoopDecision decide_loops(const IndexedGraph& given) {
   }
   graph = scaled(graph, 1, decision.loop_scale);
 
-  const auto join = [&] { return OdometryForest(graph, joined(graph, accepted_loops(graph, decision))); };
+  const auto joints = [&] { return joined(graph, accepted_loops(graph, decision)); };
+  decision.odometry_scale = scale_across_joints(scaled(given, 1, decision.loop_scale), joints());
+  graph = scaled(given, decision.odometry_scale, decision.loop_scale);
+  const auto join = [&] { return OdometryForest(graph, joints()); };
   const OdometryForest forest = join();
   reject_unconfirmed(graph, forest, decision);
   for (size_t e = 0; e < graph.edges.size(); ++e) {

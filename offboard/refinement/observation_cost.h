@@ -14,6 +14,8 @@ struct CalibrationChange {
   Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();  ///< cx and cy
   /// The colour image was taken so much later than the stamps say, seen from the depth image (s).
   double colour_delay_s = 0;
+
+  bool is_none() const { return focal == 0 && centre_px.isZero(0) && colour_delay_s == 0; }
 };
 
 /// What observations are predicted with. `velocity`: of the depth camera in its own frame, [rad/s; m/s].
