@@ -92,6 +92,8 @@ std::vector<ConfigField> config_fields(CollectorConfig& c) {
       {"loops.min_similarity",
        "least similarity of a candidate's words, in units of that with the keyframe before", 0, 10,
        &c.loops.min_similarity},
+      {"loops.max_keyframes", "remembered, to be recognised again; 100 kB each at 640 x 480", 10, 100'000,
+       &c.loops.max_keyframes},
       {"loops.min_matches", "least number of descriptors that agree", 3, 10000,
        &c.loops.verification.min_matches},
       {"loops.max_descriptor_ratio",

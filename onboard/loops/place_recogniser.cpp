@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "onboard/loops/builtin_vocabulary.h"
+#include "shared/core/make_room.h"
 
 namespace kt {
 namespace {
@@ -179,9 +180,17 @@ PlaceRecogniser::Findings PlaceRecogniser::study(Job job) {
     findings.candidates.push_back(std::move(loop));
     if (accepted == kEnough) break;
   }
+  remember(std::move(known));
+  return findings;
+}
+
+void PlaceRecogniser::remember(Known known) {
+  if (make_room(known_, static_cast<size_t>(config_.max_keyframes))) {
+    index_ = KeyframeIndex(vocabulary_.word_count());
+    for (const Known& kept : known_) index_.add(kept.bag);
+  }
   index_.add(known.bag);
   known_.push_back(std::move(known));
-  return findings;
 }
 
 std::vector<KeyframeIndex::Match> PlaceRecogniser::proposals(const Known& known) const {

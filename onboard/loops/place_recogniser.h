@@ -25,6 +25,8 @@ struct LoopConfig {
       0.3;             ///< m_p of the paper: metres of motion plus radians of turn since the last keyframe
   int candidates = 3;  ///< places that look alike, at most, that are compared in full
   double min_similarity = 0.3;  ///< of the words, in units of that with the keyframe before
+  /// Remembered at most; beyond, old ones become sparser (make_room). 100 kB each at 640 x 480.
+  int max_keyframes = 2000;
   VerificationConfig verification;
 };
 
@@ -72,6 +74,7 @@ class PlaceRecogniser {
   void wait_until_idle();
   Findings study(Job job);
   Known known_as(Keyframe keyframe) const;
+  void remember(Known known);
   std::vector<KeyframeIndex::Match> proposals(const Known& known) const;
   bool is_excluded_by_odometry(const Known& from, const Known& to, const Pose& T_from_to) const;
   std::vector<Findings> take(int64_t due_frame);

@@ -4,14 +4,11 @@
 
 #include <utility>
 
+#include "shared/core/make_room.h"
+
 namespace kt {
 void KeyframeStore::add(StoredKeyframe keyframe) {
-  if (keyframes_.size() >= capacity_) {
-    size_t index = 0;
-    const size_t older = keyframes_.size() / 2;
-    std::erase_if(keyframes_, [&](const StoredKeyframe&) { return index < older && index++ % 2 == 1; });
-    if (keyframes_.size() >= capacity_) keyframes_.erase(keyframes_.begin());  // a half too small to thin out
-  }
+  make_room(keyframes_, capacity_);
   keyframes_.push_back(std::move(keyframe));
 }
 

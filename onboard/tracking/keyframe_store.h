@@ -21,7 +21,7 @@ struct StoredKeyframe {
 
 class KeyframeStore {
  public:
-  /// Of at most `capacity` keyframes: when it is full, every second of the older half goes.
+  /// Of at most `capacity` keyframes: when it is full, some of the older half go (make_room).
   explicit KeyframeStore(int capacity) : capacity_(static_cast<size_t>(capacity)) {}
 
   void add(StoredKeyframe keyframe);

@@ -321,6 +321,22 @@ TEST(PlaceRecogniser, FindsWhereAViewWasSeen) {
   EXPECT_THAT(sequences_of(recorded.places.finish()), testing::ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
+TEST(PlaceRecogniser, RemembersNoMoreThanItMayAndTheStartAllTheSame) {
+  const auto candidates_of_return = [](const LoopConfig& config) {
+    const AllFindings all = Recorded(config).all();
+    EXPECT_EQ(all.size(), static_cast<size_t>(kFrames)) << "what is forgotten was published all the same";
+    std::set<int64_t> from;
+    for (int i = kFullTurn; i < kFrames; ++i)
+      for (const LoopClosure& loop : all[static_cast<size_t>(i)].candidates) from.insert(loop.from);
+    return from;
+  };
+  // The twelfth makes room: 1, 3 and 5 go.
+  EXPECT_THAT(candidates_of_return({}), testing::IsSupersetOf({0, 1}));
+  const std::set<int64_t> from = candidates_of_return({.max_keyframes = 12, .verification = {}});
+  EXPECT_THAT(from, testing::Contains(0));
+  EXPECT_THAT(from, testing::Not(testing::Contains(testing::AnyOf(1, 3, 5))));
+}
+
 TEST(PlaceRecogniser, SwitchedOffItDoesNothing) {
   Recorded recorded({.enabled = 0, .verification = {}});
   EXPECT_TRUE(recorded.all().empty());
