@@ -22,12 +22,14 @@ LoopSearch::LoopSearch(const Calibration& calibration, std::vector<Keyframe> key
                        const LoopSearchConfig& config, int threads)
     : calibration_(calibration), config_(config), threads_(thread_count(threads)) {
   if (keyframes.empty()) return;
-  for (const Keyframe& keyframe : keyframes) {
-    if (keyframe.descriptor_type != keyframes.front().descriptor_type)
-      throw Error("keyframes with descriptors of type " + keyframes.front().descriptor_type + " and " +
-                  keyframe.descriptor_type + " cannot be compared: join logs of one loops.feature");
+  std::vector<const Keyframe*> all;
+  for (const Keyframe& keyframe : keyframes) all.push_back(&keyframe);
+  vocabulary_ = &vocabulary_of(all);
+  const PinholeParams of_depth = calibration.depth.pinhole().half().half();
+  for (Keyframe& keyframe : keyframes) {
+    if (keyframe.depth.width() != of_depth.width || keyframe.depth.height() != of_depth.height)
+      keyframe.depth = {};
   }
-  vocabulary_ = &builtin_vocabulary(keyframes.front().descriptor_type);
   places_.resize(keyframes.size());
   bags_.resize(keyframes.size());
   for_each_in_parallel(static_cast<int64_t>(keyframes.size()), threads_, [&](int64_t i) {

@@ -29,8 +29,8 @@ using LoopProgress = std::function<void(double share)>;
 
 class LoopSearch {
  public:
-  /// `keyframes` ascend by sequence and carry one kind of descriptor, of one camera. Throws kt::Error for
-  /// descriptors without a vocabulary, and where kinds are mixed.
+  /// `keyframes` ascend by sequence and carry one kind of descriptor, of one camera; a depth image that is
+  /// not a quarter of its size counts as none. Throws kt::Error as vocabulary_of does.
   LoopSearch(const Calibration& calibration, std::vector<Keyframe> keyframes, const LoopSearchConfig& config,
              int threads = 0);
 

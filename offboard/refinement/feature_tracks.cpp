@@ -103,7 +103,7 @@ std::vector<FeatureTrack> find_tracks(const Calibration& calibration,
                                       std::span<const Pose> T_world_camera,
                                       std::span<const KeyframePair> pairs, int threads) {
   if (keyframes.empty()) return {};
-  const Vocabulary& vocabulary = builtin_vocabulary(keyframes.front()->descriptor_type);
+  const Vocabulary& vocabulary = vocabulary_of(keyframes);
   std::vector<std::vector<int32_t>> nodes(keyframes.size());
   for_each_in_parallel(static_cast<int64_t>(keyframes.size()), threads, [&](int64_t k) {
     nodes[static_cast<size_t>(k)] = vocabulary.words_of(keyframes[static_cast<size_t>(k)]->descriptors).nodes;

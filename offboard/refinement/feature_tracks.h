@@ -29,7 +29,7 @@ using KeyframePair = std::pair<int, int>;
 
 /// Tracks of the features whose descriptors agree in one of `pairs` and that the poses put within a few
 /// centimetres and pixels of each other. The result does not depend on the number of threads. Throws
-/// kt::Error as builtin_vocabulary() does.
+/// kt::Error as vocabulary_of() does.
 std::vector<FeatureTrack> find_tracks(const Calibration& calibration,
                                       std::span<const Keyframe* const> keyframes,
                                       std::span<const Pose> T_world_camera,

@@ -19,7 +19,7 @@ struct Gatherer {
   const std::filesystem::path& path;
   Session session{};
   bool has_header = false;
-  int64_t stray_poses = 0;
+  int64_t strays = 0;  // poses and keyframes that do not advance
 
   void operator()(SessionHeader&& header) {
     if (has_header) throw Error(path.string() + " holds several sessions: a log must hold one mission");
@@ -36,20 +36,22 @@ struct Gatherer {
     session.header.program_version = session.header.calibration.name = "unknown";
     if (!session.trajectory.empty()) session.header.timestamp_us = session.trajectory.front().timestamp_us;
   }
-  void operator()(StampedPose&& pose) {
-    if (session.trajectory.empty() || session.trajectory.back().sequence < pose.sequence) {
-      session.trajectory.push_back(std::move(pose));
+  template <typename T>
+  void add_next(T&& next, std::vector<T>& all) {
+    if (all.empty() || all.back().sequence < next.sequence) {
+      all.push_back(std::move(next));
     } else {
-      ++stray_poses;
+      ++strays;
     }
   }
+  void operator()(StampedPose&& pose) { add_next(std::move(pose), session.trajectory); }
   void operator()(CloudSlice&& slice) {
     if (!session.slices.empty() && slice.voxel_size_m != session.slices.front().voxel_size_m) {
       throw Error(path.string() + ": its slices differ in voxel size, so they are not of one mission");
     }
     session.slices.push_back(SliceInfo::of(slice));
   }
-  void operator()(Keyframe&& keyframe) { session.keyframes.push_back(std::move(keyframe)); }
+  void operator()(Keyframe&& keyframe) { add_next(std::move(keyframe), session.keyframes); }
   void operator()(LoopClosure&& loop) { session.loop_closures.push_back(std::move(loop)); }
   void operator()(MissionStatus&& status) { session.last_status = status; }
   void operator()(CompressedFrame&&) {}
@@ -62,8 +64,8 @@ struct Gatherer {
 Session session_of(Gatherer&& gatherer, const LogIntegrity& of_log) {
   LogIntegrity& integrity = gatherer.session.integrity;
   integrity = of_log;
-  integrity.events -= gatherer.stray_poses;
-  integrity.damaged_events += gatherer.stray_poses;
+  integrity.events -= gatherer.strays;
+  integrity.damaged_events += gatherer.strays;
   if (!gatherer.has_header) gatherer.make_up_header(integrity);
   return std::move(gatherer.session);
 }

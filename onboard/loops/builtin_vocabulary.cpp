@@ -31,4 +31,20 @@ const Vocabulary& builtin_vocabulary(const std::string& type) {
   throw Error("no vocabulary for descriptors of type " + type);
 }
 
+const Vocabulary& vocabulary_of(std::span<const Keyframe* const> keyframes) {
+  KT_CHECK(!keyframes.empty());
+  const Vocabulary& vocabulary = builtin_vocabulary(keyframes.front()->descriptor_type);
+  const DescriptorKind& kind = vocabulary.kind();
+  for (const Keyframe* keyframe : keyframes) {
+    if (keyframe->descriptor_type != kind.type)
+      throw Error("keyframes with descriptors of type " + kind.type + " and " + keyframe->descriptor_type +
+                  " cannot be compared: join logs of one loops.feature");
+    if (keyframe->descriptor_size != kind.bytes)
+      throw Error("the keyframe of frame " + std::to_string(keyframe->sequence) + " has descriptors of " +
+                  std::to_string(keyframe->descriptor_size) + " bytes, those of type " + kind.type +
+                  " have " + std::to_string(kind.bytes) + ": its log is of another program");
+  }
+  return vocabulary;
+}
+
 }  // namespace kt

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/publish/lcm_sink.h"
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 
@@ -46,6 +47,11 @@ LcmSink::Counts LcmSink::counts() const {
 
 void LcmSink::on_session(SessionHeader session) {
   calibration_ = session.calibration;
+  {
+    const std::lock_guard lock(mutex_);
+    session_ = session;
+    next_session_ = Clock::now() + options_.session_interval;
+  }
   put_small(std::move(session));
 }
 
@@ -61,6 +67,8 @@ void LcmSink::on_status(MissionStatus status) {
     next_temperature_ = now + std::chrono::seconds(1);
   }
   status.temperature_c = temperature_c_;
+  const Counts so_far = counts();
+  status.not_published = so_far.dropped + so_far.refused;
   put_small(std::move(status));
 }
 
@@ -104,12 +112,10 @@ void LcmSink::drop() {
 void LcmSink::run() {
   std::unique_lock lock(mutex_);
   while (true) {
-    const auto is_due = [this] { return !small_.empty() || stopping_; };
-    if (has_large()) {
-      changed_.wait_until(lock, next_large_, is_due);
-    } else {
-      changed_.wait(lock, [&] { return is_due() || has_large(); });
-    }
+    repeat_session();
+    const bool is_paced = has_large();
+    wait(lock, is_paced ? std::min(next_large_, next_session_) : next_session_,
+         [&] { return !small_.empty() || stopping_ || (!is_paced && has_large()); });
     if (stopping_ && Clock::now() >= stop_by_) break;
     if (!small_.empty()) {
       send_small(lock);
@@ -122,6 +128,24 @@ void LcmSink::run() {
     }
   }
   counts_.dropped += static_cast<int64_t>(small_.size() + large_.size() + parts_.size());
+}
+
+// Until there is something to do, or so long.
+template <typename IsDue>
+void LcmSink::wait(std::unique_lock<std::mutex>& lock, Clock::time_point until, const IsDue& is_due) {
+  if (until == Clock::time_point::max()) {
+    changed_.wait(lock, is_due);
+  } else {
+    changed_.wait_until(lock, until, is_due);
+  }
+}
+
+// It waits in line like the others, but drops none of them.
+void LcmSink::repeat_session() {
+  const Clock::time_point now = Clock::now();
+  if (stopping_ || now < next_session_) return;
+  next_session_ = now + options_.session_interval;
+  if (small_.size() < options_.max_queued_messages) small_.emplace_back(*session_);
 }
 
 void LcmSink::send_small(std::unique_lock<std::mutex>& lock) {

@@ -20,10 +20,10 @@
 namespace kt {
 
 /// Who listens gets what the network carries; the log is what counts. Poses, status, load, closures and the
-/// session go out at once. Slices and keyframes wait in a queue and go out at a steady rate, a slice in parts
-/// of one datagram each, because receivers with default buffers lose the rest of a burst (docs/lcm.md). Where
-/// the queue is full its oldest message is dropped; its number stays free on the channel, so that receivers
-/// see the gap.
+/// session go out at once, the session every few seconds again for who listens late. Slices and keyframes
+/// wait in a queue and go out at a steady rate, a slice in parts of one datagram each, because receivers with
+/// default buffers lose the rest of a burst (docs/lcm.md). Where the queue is full its oldest message is
+/// dropped; its number stays free on the channel, so that receivers see the gap.
 class LcmSink final : public MessageSink {
  public:
   struct Options {
@@ -32,7 +32,8 @@ class LcmSink final : public MessageSink {
     size_t max_queued_messages = 1024;    ///< of all others that wait; as above
     size_t max_part_vertices = 800;       ///< of a part of a slice: 43 bytes each
     size_t max_part_triangles = 1800;     ///< 12 bytes each
-    std::chrono::milliseconds longest_close{2000};  ///< what still waits then is dropped
+    std::chrono::milliseconds session_interval{5000};  ///< between repetitions of the session
+    std::chrono::milliseconds longest_close{2000};     ///< what still waits then is dropped
   };
   struct Counts {
     int64_t messages = 0, bytes = 0;  ///< handed to the network
@@ -50,7 +51,7 @@ class LcmSink final : public MessageSink {
   void on_slice(CloudSlice slice) override { put_large(std::move(slice)); }
   void on_keyframe(Keyframe keyframe) override { put_large(std::move(keyframe)); }
   void on_loop_closure(LoopClosure loop) override { put_small(std::move(loop)); }
-  /// With the computer's temperature, read at most once a second.
+  /// With the computer's temperature, read at most once a second, and what did not go out so far.
   void on_status(MissionStatus status) override;
   void on_load(LoadReport load) override { put_small(load); }
   /// The mission's input is not published: it would come back as input where that is the same network.
@@ -72,6 +73,9 @@ class LcmSink final : public MessageSink {
   template <typename T>
   void drop();
   void run();
+  template <typename IsDue>
+  void wait(std::unique_lock<std::mutex>& lock, Clock::time_point until, const IsDue& is_due);
+  void repeat_session();
   void send_small(std::unique_lock<std::mutex>& lock);
   void send_large(std::unique_lock<std::mutex>& lock);
   template <typename T>
@@ -94,6 +98,8 @@ class LcmSink final : public MessageSink {
   size_t large_bytes_ = 0;        ///< of large_
   std::deque<CloudSlice> parts_;  ///< of the slice that is being sent
   Clock::time_point next_large_{};
+  std::optional<SessionHeader> session_;
+  Clock::time_point next_session_ = Clock::time_point::max();
   std::array<int64_t, kChannels.size()> next_sequence_{};
   Counts counts_;
   bool stopping_ = false;

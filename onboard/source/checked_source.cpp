@@ -220,13 +220,18 @@ void CheckedSource::release_samples(int64_t frame_us) {
 }
 
 std::string CheckedSource::motion_problem(const MotionSample& sample, int64_t frame_us) const {
-  if (const DecodeStatus status = validity(sample); status != DecodeStatus::kOk)
-    return std::string("its values are ") + to_string(status);
+  // The mission goes on with it as one of the camera.
+  for (const MotionSample& form : {sample, of_camera(sample, calibration_.T_body_camera)}) {
+    if (const DecodeStatus status = validity(form); status != DecodeStatus::kOk)
+      return std::string("its values are ") + to_string(status);
+  }
   if (!sample.measures_motion()) return "it measures no motion";
   if (sample.timestamp_us > frame_us + kMaxJump_us)
     return "its stamp is wrong: the next frame's is " + seconds(frame_us);
   if (!last_sample_) return {};
   if (sample.kind != last_sample_->kind) return "its kind is not that of the samples before it";
+  if (sample.kind == MotionSample::Kind::kPose && sample.of != last_sample_->of)
+    return "it is not of the same, camera or body, as the poses before it, whose frame is another";
   if (sample.timestamp_us <= last_sample_->timestamp_us)
     return "its stamp is not after the last sample's, " + seconds(last_sample_->timestamp_us);
   return {};

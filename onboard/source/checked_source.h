@@ -28,11 +28,11 @@ namespace kt {
 /// Where the camera is gone, what waits is decided on as at the end, and told before the word of it.
 ///
 /// Motion samples keep their place among the frames, so they wait for the next frame that passes. Skipped are
-/// those with values that no message can hold, that measure no motion, of another kind than the first that
-/// passed, with a stamp not after that of the sample before, or more than 10 s after the frame that they wait
-/// for; behind the last frame the latter are believed. They are no frames: the word is kSkippedMotion.
-/// Samples that pass are numbered from 0 without gaps. Where no frame comes for minutes the oldest waiting
-/// samples are skipped.
+/// those with values that no message can hold (as a sample of the camera neither), that measure no motion, of
+/// another kind than the first that passed or poses of another thing, with a stamp not after that of the
+/// sample before, or more than 10 s after the frame that they wait for; behind the last frame the latter are
+/// believed. They are no frames: the word is kSkippedMotion. Samples that pass are numbered from 0 without
+/// gaps. Where no frame comes for minutes the oldest waiting samples are skipped.
 class CheckedSource final : public FrameSource {
  public:
   /// `calibration`, where given, replaces the source's own. Throws kt::Error where the one used makes no

@@ -17,6 +17,10 @@ constexpr int64_t kLongestExtrapolation_us = 200'000;
 // Within this long a robot may start, turn and stop: what lies between two samples is no longer known.
 constexpr int64_t kLongestHole_us = 500'000;
 
+// No robot turns or goes faster (rad/s, m/s): its odometry was set to another place, and what lies between is
+// not known.
+constexpr double kFastest = 100;
+
 double seconds(int64_t span_us) { return static_cast<double>(span_us) * 1e-6; }
 
 }  // namespace
@@ -79,6 +83,7 @@ std::optional<RelativeMotion> MotionPrior::between(int64_t from_us, int64_t to_u
     Vector6d twist = stretch->twist;
     if (!motion.has_rotation) twist.head<3>().setZero();
     if (!motion.has_translation) twist.tail<3>().setZero();
+    if (twist.cwiseAbs().maxCoeff() > kFastest) return std::nullopt;
     const double dt_s = seconds(std::min(stretch->end_us, to_us) - std::max(stretch->begin_us, from_us));
     // An error on the way acts on the frame of `from` through where the camera was: its middle stands for the
     // stretch.

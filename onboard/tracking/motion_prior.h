@@ -29,7 +29,8 @@ class MotionPrior {
 
   /// The motion between two stamps, from before to. Nothing where the samples do not reach: before the oldest
   /// kept, more than 0.2 s behind the newest (the last twist is carried on; one pose alone has none), where
-  /// they leave a hole of more than 0.5 s inside the span, or where no part is measured all along it.
+  /// they leave a hole of more than 0.5 s inside the span or jump faster than 100 m/s or rad/s, or where no
+  /// part is measured all along it.
   std::optional<RelativeMotion> between(int64_t from_us, int64_t to_us) const;
 
  private:

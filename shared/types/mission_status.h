@@ -32,6 +32,8 @@ struct MissionStatus {
   double inlier_share = 0;
   /// Of the hottest part of the computer, where results are published live; 0: not told, as in every log.
   int temperature_c = 0;
+  /// Messages that did not go out to who listens, before this one; 0 in every log, as above.
+  int64_t not_published = 0;
   // Of the log, before this message:
   StorageLevel storage = StorageLevel::kAll;
   int64_t not_stored = 0;  ///< messages, for want of room

@@ -24,7 +24,7 @@ namespace {
 const MessageLayout kSessionLayout{.fixed_bytes = 420, .strings = 3};
 const MessageLayout kPoseLayout{.fixed_bytes = 348};
 const MessageLayout kSliceLayout{.fixed_bytes = 153, .arrays = {{145, 43}, {149, 12}}};
-const MessageLayout kStatusLayout{.fixed_bytes = 198};
+const MessageLayout kStatusLayout{.fixed_bytes = 206};
 const MessageLayout kFrameLayout{.fixed_bytes = 52, .arrays = {{44, 1}, {48, 1}}};
 const MessageLayout kMotionLayout{.fixed_bytes = 198};
 const MessageLayout kLoadLayout{.fixed_bytes = 165};
@@ -235,6 +235,7 @@ std::vector<uint8_t> encode(const MissionStatus& status, int64_t message_sequenc
   message.temperature_c = static_cast<int16_t>(status.temperature_c);
   message.storage = static_cast<int8_t>(status.storage);
   message.not_stored = status.not_stored;
+  message.not_published = status.not_published;
   return seal(message, kStatusLayout, message_sequence, status.timestamp_us);
 }
 
@@ -266,6 +267,7 @@ DecodeStatus decode(std::span<const uint8_t> bytes, MissionStatus& status) {
   value.temperature_c = message.temperature_c;
   value.storage = static_cast<StorageLevel>(message.storage);
   value.not_stored = message.not_stored;
+  value.not_published = message.not_published;
   return accept(std::move(value), status);
 }
 

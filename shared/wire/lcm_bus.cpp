@@ -57,7 +57,7 @@ bool LcmBus::publish(std::string_view channel, std::span<const uint8_t> data) {
 }
 
 void LcmBus::subscribe(std::string_view channel, int queued, Handler handler) {
-  subscriptions_.push_back(std::make_unique<Subscription>(this, std::move(handler)));
+  subscriptions_.push_back(std::make_unique<Subscription>(Subscription{this, std::move(handler)}));
   lcm_subscription_t* subscription = lcm_subscribe(lcm_.get(), std::string(channel).c_str(),
                                                    &LcmBus::on_message, subscriptions_.back().get());
   if (!subscription) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "shared/core/check.h"
+#include "shared/core/digest.h"
 #include "shared/wire/codec.h"
 
 namespace kt {
@@ -29,14 +30,13 @@ MessageReader::MessageReader(EventLogReader events) : events_(std::move(events))
 MessageReader::MessageReader(const LogParts& parts)
     : events_(parts.paths), parts_(static_cast<int64_t>(parts.paths.size())), missing_parts_(parts.missing) {}
 
-// Sessions that are alike by chance, of two missions one behind the other, are both numbered 0.
+// Sessions that are alike by chance, of two missions one behind the other, are both numbered 0. Where several
+// collectors were heard at once, theirs take turns.
 bool MessageReader::repeats_session(std::span<const uint8_t> bytes) {
-  std::vector<uint8_t> content = content_of(bytes);
-  if (session_.empty())
-    session_ = std::move(content);
-  else if (stamp_of(bytes).sequence > 0)
-    return content == session_;
-  return false;
+  Digest digest;
+  digest.add(std::span<const uint8_t>(content_of(bytes)));
+  const bool is_new = sessions_.insert(digest.value()).second;
+  return !is_new && stamp_of(bytes).sequence > 0;
 }
 
 void check_format_version(const SessionHeader& header, const std::string& name) {

@@ -4,8 +4,8 @@
 
 #include <array>
 #include <optional>
+#include <set>
 #include <string>
-#include <vector>
 
 #include "shared/wire/channels.h"
 #include "shared/wire/event_log.h"
@@ -28,7 +28,7 @@ class MessageReader {
   }
 
   /// The next intact message, or nothing at the end. Damaged and unknown events are counted and passed over;
-  /// the session that a later part repeats is counted only.
+  /// a session that is repeated, by a later part or over LCM, is counted only.
   std::optional<Message> next();
 
   /// As EventLogReader's: where the message last returned begins, and to go on elsewhere.
@@ -59,7 +59,7 @@ class MessageReader {
 
   EventLogReader events_;
   int64_t parts_ = 1, missing_parts_ = 0;
-  std::vector<uint8_t> session_;  ///< content of the first
+  std::set<uint64_t> sessions_;  ///< digests of their contents
   int64_t unknown_events_ = 0;
   bool final_slice_seen_ = false;
   std::array<bool, kChannels.size()> skipped_{};

@@ -85,7 +85,7 @@ DecodeStatus validity(const StampedPose& pose) {
   if (!is_count(pose.sequence) || !is_stamp(pose.timestamp_us)) return kOutOfRange;
   if (pose.from_sequence < 0 || pose.from_sequence > pose.sequence) return kOutOfRange;
   if (pose.status > TrackingStatus::kLost || !is_segment(pose.segment) || !is_source(pose.source) ||
-      !is_cause(pose.cause))
+      !is_cause(pose.cause) || pose.cause == TrackingCause::kNoFrames)
     return kOutOfRange;
   const TrackingQuality& quality = pose.quality;
   if (!std::isfinite(quality.inlier_share) || !std::isfinite(quality.overlap) ||
@@ -146,15 +146,16 @@ DecodeStatus validity(const LoopClosure& loop) {
 }
 
 DecodeStatus validity(const MissionStatus& status) {
-  const bool sane =
-      is_count(status.sequence) && is_stamp(status.timestamp_us) && is_count(status.frames) &&
-      is_count(status.frames_good) && is_count(status.frames_uncertain) && is_count(status.frames_lost) &&
-      is_count(status.frames_skipped) && is_count(status.slices) && is_count(status.slice_vertices) &&
-      is_count(status.slice_triangles) && is_temperature(status.temperature_c) &&
-      is_segment(status.segment) && status.segments >= 0 && status.tracking <= TrackingStatus::kLost &&
-      is_source(status.source) && is_cause(status.cause) &&
-      static_cast<uint8_t>(status.storage) < kStorageLevels && is_count(status.not_stored) &&
-      std::all_of(status.frames_by_source.begin(), status.frames_by_source.end(), is_count);
+  const bool sane = is_count(status.sequence) && is_stamp(status.timestamp_us) && is_count(status.frames) &&
+                    is_count(status.frames_good) && is_count(status.frames_uncertain) &&
+                    is_count(status.frames_lost) && is_count(status.frames_skipped) &&
+                    is_count(status.slices) && is_count(status.slice_vertices) &&
+                    is_count(status.slice_triangles) && is_temperature(status.temperature_c) &&
+                    is_segment(status.segment) && status.segments >= 0 &&
+                    status.tracking <= TrackingStatus::kLost && is_source(status.source) &&
+                    is_cause(status.cause) && static_cast<uint8_t>(status.storage) < kStorageLevels &&
+                    is_count(status.not_stored) && is_count(status.not_published) &&
+                    std::all_of(status.frames_by_source.begin(), status.frames_by_source.end(), is_count);
   if (!std::isfinite(status.inlier_share)) return kNotFinite;
   return sane ? kOk : kOutOfRange;
 }

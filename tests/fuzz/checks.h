@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <span>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -17,9 +18,9 @@
 
 namespace kt {
 
-inline void require(bool holds, const char* what) {
+inline void require(bool holds, const char* what, std::string_view channel = "") {
   if (holds) return;
-  std::fprintf(stderr, "fuzzed input: %s\n", what);
+  std::fprintf(stderr, "fuzzed input: %s %.*s\n", what, static_cast<int>(channel.size()), channel.data());
   std::abort();
 }
 
@@ -41,7 +42,7 @@ int decode_as_each_type(std::span<const uint8_t> bytes) {
     std::variant_alternative_t<Index, Message> message;
     const bool passes = decode(bytes, message) == DecodeStatus::kOk;
     if (passes) {
-      require(ranges::hold(message), "a message passed outside its ranges");
+      require(ranges::hold(message), "a message passed outside its ranges", kChannels[Index]);
       // Flags that LCM carries in a whole byte may change; a keyframe's images are coded anew, and a
       // closure's reason is worded anew.
       using T = decltype(message);
@@ -61,8 +62,8 @@ inline int64_t read_log(std::span<const uint8_t> bytes) {
     MessageReader reader(EventLogReader(bytes, "fuzz"));
     while (const auto message = reader.next()) {
       ++messages;
-      std::visit([](const auto& m) { require(ranges::hold(m), "a log gave a message outside its ranges"); },
-                 *message);
+      require(std::visit([](const auto& m) { return ranges::hold(m); }, *message),
+              "a log gave a message outside its ranges", kChannels[message->index()]);
       if (const auto* frame = std::get_if<CompressedFrame>(&*message)) try_to_decompress(*frame);
     }
     const LogIntegrity integrity = reader.integrity();

@@ -23,7 +23,7 @@ class LiveInput {
          item = source_.next()) {
       require(item.kind != SourceItem::Kind::kEnd, "a message ended the input");
       if (item.kind == SourceItem::Kind::kFrame) check(item.frame);
-      if (item.kind == SourceItem::Kind::kMotion) require(ranges::hold(item.motion), "a sample out of range");
+      if (item.kind == SourceItem::Kind::kMotion) check(item.motion);
     }
   }
   int64_t frames() const { return frames_; }
@@ -33,7 +33,14 @@ class LiveInput {
     Calibration calibration;
     calibration.depth = {.width = 16, .height = 16, .fx = 20, .fy = 20, .cx = 7.5, .cy = 7.5};
     calibration.colour = calibration.depth;
+    calibration.T_body_camera.translation() = Eigen::Vector3d(0.3, -0.2, 0.5);
     return calibration;
+  }
+  // The mission goes on with it as one of the camera, and records that.
+  void check(const MotionSample& sample) const {
+    require(ranges::hold(sample), "a sample out of range");
+    require(ranges::hold(of_camera(sample, source_.calibration().T_body_camera)),
+            "a sample out of range, as one of the camera");
   }
   void check(const RgbdFrame& frame) {
     require(frame.sequence == frames_++, "frames are not numbered without gaps");

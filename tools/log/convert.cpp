@@ -189,7 +189,8 @@ std::string log_to_folder(const std::string& from, const std::filesystem::path& 
       check_format_version(*session, from);
       calibration = session->calibration;
     } else if (const auto* sample = std::get_if<MotionSample>(&*message)) {
-      if (sample->kind == MotionSample::Kind::kPose && sample->measures_motion()) {
+      const bool is_of_same = odometry.empty() || sample->of == odometry.front().of;
+      if (sample->kind == MotionSample::Kind::kPose && sample->measures_motion() && is_of_same) {
         odometry.push_back(*sample);
       } else {
         ++samples_left_out;
@@ -214,7 +215,9 @@ std::string log_to_folder(const std::string& from, const std::filesystem::path& 
   std::string text = done_text(to, *calibration, frames);
   if (!odometry.empty()) text += ", " + count_text(static_cast<int64_t>(odometry.size()), "motion samples");
   if (samples_left_out > 0)
-    text += ", " + count_text(samples_left_out, "motion samples left out: odometry.txt holds poses");
+    text += ", " + count_text(samples_left_out,
+                              "motion samples left out: odometry.txt holds poses, all of the "
+                              "camera or all of the body");
   return text + "; log: " + integrity_text(reader.integrity());
 }
 

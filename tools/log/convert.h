@@ -27,7 +27,8 @@ using FrameProgress = std::function<void(int64_t done, int64_t total)>;
 ///   a log of a mission                ->  FILE.txt, its poses as a TUM trajectory: those of
 ///                                         main_segment, as the collector's odometry has them
 ///   a log of raw frames               ->  any other name: a TUM folder (rgb/, depth/, rgb.txt, depth.txt,
-///   calibration.yaml; odometry.txt where there are motion samples of poses: velocities have no place in it)
+///   calibration.yaml; odometry.txt where there are motion samples of poses: velocities have no place in it,
+///   nor has the camera where the first pose is of the body, or the other way round)
 /// Images of a log go to the folder byte by byte. Returns one line that says what was done, with which
 /// camera, and what was left out. Throws kt::Error where `from` cannot be read, holds nothing of the kind
 /// asked for, or `to` cannot be written.

@@ -23,6 +23,13 @@ double seconds(std::chrono::steady_clock::duration time) {
   return std::chrono::duration<double>(time).count();
 }
 
+// A collector repeats its session for who listens late.
+bool is_same(const SessionHeader& a, const SessionHeader& b) {
+  return a.timestamp_us == b.timestamp_us && a.program_version == b.program_version &&
+         a.configuration_yaml == b.configuration_yaml && a.calibration.name == b.calibration.name &&
+         a.calibration.is_equal_to(b.calibration);
+}
+
 }  // namespace
 
 void LiveState::Rate::add(int64_t count, Time now) {
@@ -41,17 +48,23 @@ double LiveState::Rate::per_second(Time now) const {
   return span_s > 0 ? static_cast<double>(samples_.back().count - samples_.front().count) / span_s : 0;
 }
 
+void LiveState::take(const SessionHeader& session) {
+  if (session_ && is_same(*session_, session)) return;
+  // What was heard before the first session is of its mission, unless it is older.
+  if (session_ || (pose_ && pose_->timestamp_us < session.timestamp_us)) *this = LiveState();
+  session_ = session;
+  try {
+    const YAML::Node volume = YAML::Load(session.configuration_yaml)["volume"];
+    voxel_size_m_ = volume["voxel_size_m"].as<double>(0);
+    resolution_ = volume["resolution"].as<int>(0);
+  } catch (const YAML::Exception&) {
+    // a session of some other program: the volume is told in voxels
+  }
+}
+
 void LiveState::add(const Message& message, Time now) {
   if (const auto* session = std::get_if<SessionHeader>(&message)) {
-    *this = LiveState();
-    camera_name_ = session->calibration.name;
-    try {
-      const YAML::Node volume = YAML::Load(session->configuration_yaml)["volume"];
-      voxel_size_m_ = volume["voxel_size_m"].as<double>(0);
-      resolution_ = volume["resolution"].as<int>(0);
-    } catch (const YAML::Exception&) {
-      // a session of some other program: the volume is told in voxels
-    }
+    take(*session);
   } else if (const auto* pose = std::get_if<StampedPose>(&message)) {
     pose_ = *pose;
     is_camera_gone_ = false;
@@ -110,6 +123,12 @@ std::string LiveState::volume_text() const {
                 middle_m(low.z), static_cast<long long>(status_->slices));
 }
 
+std::string LiveState::gaps_text() const {
+  if (!status_ || status_->not_stored + status_->not_published == 0) return {};
+  return format("%lld messages not stored, %lld not published", static_cast<long long>(status_->not_stored),
+                static_cast<long long>(status_->not_published));
+}
+
 std::string LiveState::disk_text(Time now) const {
   if (free_bytes_ < 0) return {};
   const double rate = log_bytes_per_.per_second(now), space = static_cast<double>(free_bytes_);
@@ -128,8 +147,9 @@ std::string LiveState::temperature_text() const {
 std::vector<std::string> LiveState::lines(Time now) const {
   std::vector<std::string> lines = {
       "tracking     " + tracking_text(), "rate         " + rate_text(now), "frames       " + frames_text(),
-      "camera       " + camera_text() + (camera_name_.empty() ? "" : " (" + camera_name_ + ")"),
+      "camera       " + camera_text() + (session_ ? " (" + session_->calibration.name + ")" : ""),
       "volume       " + volume_text()};
+  if (const std::string gaps = gaps_text(); !gaps.empty()) lines.push_back("gaps         " + gaps);
   if (const std::string disk = disk_text(now); !disk.empty()) lines.push_back("disk         " + disk);
   if (const std::string heat = temperature_text(); !heat.empty()) lines.push_back("temperature  " + heat);
   return lines;
@@ -138,7 +158,7 @@ std::vector<std::string> LiveState::lines(Time now) const {
 std::string LiveState::line(Time now) const {
   std::string text = tracking_text() + "; " + rate_text(now) + "; " + frames_text() + "; camera " +
                      camera_text() + "; volume " + volume_text();
-  for (const std::string& more : {disk_text(now), temperature_text()})
+  for (const std::string& more : {gaps_text(), disk_text(now), temperature_text()})
     if (!more.empty()) text += "; " + more;
   return text;
 }

@@ -16,7 +16,8 @@ class LiveState {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Takes a message that came at `now`. Counts only session, poses and status.
+  /// Takes a message that came at `now`. Counts only session, poses and status; another session than the one
+  /// known begins another mission.
   void add(const Message& message, Time now);
   /// Where the mission is watched through its log: bytes of the log so far, and free on its disk.
   void set_disk(int64_t log_bytes, int64_t free_bytes, Time now);
@@ -47,16 +48,18 @@ class LiveState {
     std::deque<Sample> samples_;
   };
 
+  void take(const SessionHeader& session);
   std::string tracking_text() const;
   std::string rate_text(Time now) const;
   std::string frames_text() const;
   std::string camera_text() const;
   std::string volume_text() const;
+  std::string gaps_text() const;
   std::string disk_text(Time now) const;
   std::string temperature_text() const;
 
   std::optional<Time> heard_;
-  std::string camera_name_;
+  std::optional<SessionHeader> session_;
   double voxel_size_m_ = 0;  ///< 0: no session was heard
   int resolution_ = 0;
   std::optional<StampedPose> pose_;

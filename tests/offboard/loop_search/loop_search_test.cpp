@@ -106,10 +106,27 @@ TEST(LoopSearch, TheNumberOfThreadsDoesNotMatter) {
   }
 }
 
+TEST(LoopSearch, ADepthImageOfAnotherSizeIsNone) {
+  std::vector<Keyframe> keyframes = turning();
+  Keyframe& other = keyframes[kTurn];  // where the first one was
+  other.depth = Image<uint16_t>(3, 2, uint16_t{1000});
+  const auto loops = LoopSearch(kCalibration, keyframes, {}).search(poses(), std::vector<int>(kKeyframes, 0));
+  EXPECT_THAT(pairs_of(loops, false), testing::Contains(testing::Pair(0, other.sequence)));
+  for (const auto& [from, to] : pairs_of(loops, true)) {
+    EXPECT_NE(from, other.sequence);
+    EXPECT_NE(to, other.sequence);
+  }
+  EXPECT_FALSE(pairs_of(loops, true).empty());
+}
+
 TEST(LoopSearch, RefusesMixedDescriptorsAndTakesNone) {
   std::vector<Keyframe> mixed = turning();
   mixed.back().descriptor_type = "orb256";
   EXPECT_THAT(error_of([&] { LoopSearch(kCalibration, mixed, {}); }), testing::HasSubstr("orb256"));
+  std::vector<Keyframe> longer = turning();  // more descriptors than features
+  longer.back().descriptors.resize(2 * longer.back().descriptors.size());
+  longer.back().descriptor_size *= 2;
+  EXPECT_THAT(error_of([&] { LoopSearch(kCalibration, longer, {}); }), testing::HasSubstr("128 bytes"));
   EXPECT_TRUE(LoopSearch(kCalibration, {}, {}).search({}, {}).empty());
 }
 

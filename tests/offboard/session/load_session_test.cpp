@@ -116,6 +116,27 @@ TEST(LoadSession, PosesThatDoNotAdvanceCountAsDamage) {
   EXPECT_EQ(session.integrity.events, 3);
 }
 
+TEST(LoadSession, KeyframesThatDoNotAdvanceCountAsDamage) {
+  const ScratchDir folder;
+  write_log(folder / "a.lcm",
+            {sample_session(), sample_stamped_pose(), sample_keyframe(), sample_keyframe()});
+  const Session session = load_session(folder / "a.lcm");
+  EXPECT_EQ(session.keyframes.size(), 1u);
+  EXPECT_EQ(session.integrity.damaged_events, 1);
+}
+
+TEST(LoadSession, OneThatIsRepeatedIsOneMission) {
+  const ScratchDir folder;
+  write_log(folder / "a.lcm", {sample_session(), sample_stamped_pose(), sample_session(), sample_slice(),
+                               sample_session(), sample_session()});
+  LogIndex index;
+  const Session session = load_session(folder / "a.lcm", {}, &index);
+  EXPECT_TRUE(session.integrity.is_sound());
+  EXPECT_EQ(session.integrity.events, 6);
+  expect_equal(session.header, sample_session());
+  EXPECT_EQ(load_session(folder / "a.lcm", index).trajectory.size(), 1u);
+}
+
 TEST(LoadSession, RefusesWhatIsNoMission) {
   const ScratchDir folder;
   EXPECT_NE(error_of(folder / "none.lcm").find("does not exist"), std::string::npos);

@@ -99,6 +99,7 @@ TEST(LcmSink, EveryTypeArrivesAsItIs) {
   const MissionStatus status = listener.all<MissionStatus>()[0];
   MissionStatus expected = sample_status();
   expected.temperature_c = status.temperature_c;  // of this computer, now
+  expected.not_published = 0;
   expect_equal(status, expected);
   EXPECT_EQ(status.temperature_c == 0, !hottest_temperature_c());
 }
@@ -169,6 +170,38 @@ TEST(LcmSink, WhoeverPublishesIsNotHeldUpByAFullQueue) {
   const LcmSink::Counts counts = sink.counts();
   EXPECT_EQ(counts.messages + counts.dropped, 60'000);  // two for each pose
   EXPECT_GT(counts.dropped, 29'000);
+}
+
+TEST(LcmSink, TheSessionComesAgainForWhoListensLate) {
+  Listener listener;
+  LcmSink sink(listener.bus(), {.session_interval = milliseconds(1)});
+  sink.on_session(sample_session());
+  sink.on_pose(sample_stamped_pose());
+  while (listener.all<SessionHeader>().size() < 4) {
+    listener.receive_all();
+    std::this_thread::yield();
+  }
+  sink.close();
+  listener.receive_all();
+  for (const SessionHeader& session : listener.all<SessionHeader>()) expect_equal(session, sample_session());
+  const std::vector<int64_t>& sequences = listener.sequences<SessionHeader>();
+  for (size_t i = 0; i < sequences.size(); ++i) EXPECT_EQ(sequences[i], static_cast<int64_t>(i));
+  EXPECT_EQ(sink.counts().dropped, 0);
+}
+
+TEST(LcmSink, TheStatusTellsWhatDidNotGoOut) {
+  Listener listener;
+  LcmSink sink(listener.bus(), {.max_queued_bytes = 0});
+  for (int i = 0; i < 3; ++i) sink.on_slice(sample_slice());
+  StampedPose bad = sample_stamped_pose();
+  bad.quality.overlap = std::numeric_limits<double>::quiet_NaN();
+  sink.on_pose(bad);
+  while (sink.counts().refused == 0) std::this_thread::yield();
+  sink.on_status(sample_status());
+  sink.close();
+  listener.receive_all();
+  ASSERT_EQ(listener.all<MissionStatus>().size(), 1u);
+  EXPECT_EQ(listener.all<MissionStatus>()[0].not_published, 4);
 }
 
 TEST(LcmSink, AValueThatNoMessageHoldsIsCountedAndTheRestGoesOn) {

@@ -224,6 +224,36 @@ TEST(CheckedSource, AMotionSampleWithAWrongStampCostsItselfOnly) {
   EXPECT_EQ(checked_story({100, -100.5, -100.5, -3, -100.6, 101}), "f100 m100.5 -m -m m100.6 f101");
 }
 
+TEST(CheckedSource, PosesOfTheBodyDoNotGoOnFromPosesOfTheCamera) {
+  for (const auto kind : {MotionSample::Kind::kPose, MotionSample::Kind::kVelocity}) {
+    std::vector<std::optional<SourceItem>> items;
+    for (const double stamp_s : {1.0, 1.1, 1.2}) {
+      MotionSample sample = sample_at(stamp_s);
+      sample.kind = kind;
+      sample.of = stamp_s == 1.1 ? MotionSample::Of::kBody : MotionSample::Of::kCamera;
+      items.push_back(motion_item(sample));
+    }
+    items.push_back(frame_item(small_frame(2'000'000)));
+    CheckedSource source(std::make_unique<PreparedSource>(items));
+    EXPECT_EQ(story_of(source), kind == MotionSample::Kind::kPose ? "m1 -m m1.2 f2" : "m1 m1.1 m1.2 f2");
+  }
+}
+
+TEST(CheckedSource, AMotionOfTheBodyMustBeOneOfTheCameraToo) {
+  Calibration calibration = small_calibration();
+  calibration.T_body_camera.translation().x() = 1;
+  std::vector<std::optional<SourceItem>> items;
+  for (const double x_m : {999'998.0, 1e6}) {
+    MotionSample sample = sample_at(items.empty() ? 1 : 1.1);
+    sample.of = MotionSample::Of::kBody;
+    sample.T_prior.translation().x() = x_m;
+    items.push_back(motion_item(sample));
+  }
+  items.push_back(frame_item(small_frame(2'000'000)));
+  CheckedSource source(std::make_unique<PreparedSource>(items), calibration);
+  EXPECT_EQ(story_of(source), "m1 -m f2");
+}
+
 TEST(CheckedSource, InsaneMotionSamplesAreSkippedWithAReasonAndAreNoFrames) {
   std::vector<MotionSample> samples(7, sample_at(1));
   samples[0].T_prior.translation().x() = std::numeric_limits<double>::quiet_NaN();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/tracking/motion_prior.h"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
@@ -126,6 +127,47 @@ TEST(MotionPrior, AHoleIsToldOnlyWhereItLies) {
     EXPECT_EQ(prior.between(kStart_us, kStart_us + 100'001).has_value(), closed);
     EXPECT_EQ(prior.between(kStart_us + 300'000, kStart_us + 400'000).has_value(), closed);
     EXPECT_EQ(prior.between(end_us - 1, end_us + 1).has_value(), closed);
+  }
+}
+
+TEST(MotionPrior, AStreamThatIsSetToAnotherPlaceHasAHoleThere) {
+  for (const bool jumps : {false, true}) {
+    MotionPrior prior;
+    for (int i = 0; i < 10; ++i)
+      prior.add(pose_sample(after_us(0.1 * i), pose_of({0, 0, 0}, {i < 5 || !jumps ? 0.1 * i : 1e6, 0, 0})));
+    EXPECT_TRUE(prior.between(after_us(0), after_us(0.4)));
+    EXPECT_EQ(prior.between(after_us(0.3), after_us(0.6)).has_value(), !jumps);
+    EXPECT_TRUE(prior.between(after_us(0.5), after_us(0.9)));
+  }
+}
+
+TEST(MotionPrior, AVelocityThatCannotBeIsNotBelieved) {
+  for (const double speed : {100.0, 101.0, 1e4}) {
+    MotionPrior turning, going;
+    turning.add(velocity_sample(kStart_us, twist_of(0, speed, 0, 0, 0, 0)));
+    going.add(velocity_sample(kStart_us, twist_of(0, 0, 0, 0, -speed, 0)));
+    EXPECT_EQ(turning.between(kStart_us, after_us(0.1)).has_value(), speed <= 100);
+    EXPECT_EQ(going.between(kStart_us, after_us(0.1)).has_value(), speed <= 100);
+  }
+}
+
+TEST(MotionPrior, InformationIsPositiveDefiniteOverTheLongestLevers) {
+  for (const double speed : {0.0, 1.0, 100.0}) {
+    for (const double rotation_sigma : {1e-300, 1e-2, 1e300}) {
+      for (const double translation_sigma : {1e-300, 1e300}) {
+        MotionPrior prior;
+        for (int i = 0; i < 150; ++i) {
+          MotionSample sample = velocity_sample(after_us(0.4 * i), twist_of(0.01, 0.02, 0.03, speed, 0, 0));
+          sample.rotation_sigma = rotation_sigma;
+          sample.translation_sigma = translation_sigma;
+          prior.add(sample);
+        }
+        const auto motion = prior.between(kStart_us, after_us(59.5));
+        ASSERT_TRUE(motion);
+        EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(motion->information).eigenvalues().minCoeff(), 0)
+            << speed << " " << rotation_sigma << " " << translation_sigma;
+      }
+    }
   }
 }
 

@@ -174,6 +174,10 @@ TEST(Codec, RefusesForgedValues) {
   EXPECT_EQ(decode(forged(pose, 136, 99), pose_out), DecodeStatus::kOutOfRange);     // later than the frame
   EXPECT_EQ(decode(forged(pose, 140, kNaN64), pose_out), DecodeStatus::kNotFinite);  // information
   EXPECT_EQ(decode(forged(pose, 140, static_cast<int32_t>(0xbff00000)), pose_out), DecodeStatus::kOutOfRange);
+  Bytes no_frames = pose;
+  no_frames[347] = 7;  // cause: of a status, never of a pose
+  store_checksum(no_frames);
+  EXPECT_EQ(decode(no_frames, pose_out), DecodeStatus::kOutOfRange);
   EXPECT_EQ(decode(forged(slice, 136, 0x40700000), slice_out), DecodeStatus::kOutOfRange);  // voxels of 256 m
   EXPECT_EQ(decode(forged(slice, 136, static_cast<int32_t>(0xbff00000)), slice_out),
             DecodeStatus::kOutOfRange);

@@ -156,6 +156,23 @@ TEST(MessageReader, CountsUnknownChannels) {
   EXPECT_TRUE(reading.integrity.is_sound());
 }
 
+TEST(MessageReader, ASessionThatIsRepeatedIsReadOnce) {
+  const ScratchDir folder;
+  EventLogWriter writer(folder / "a.lcm");
+  SessionHeader a = sample_session(), b = sample_session();
+  b.timestamp_us += 1;
+  // Two collectors at once, both of them heard late, and the first one's mission once more.
+  for (const auto& [session, sequence] :
+       {std::pair(&a, 5), {&a, 6}, {&b, 2}, {&a, 7}, {&b, 3}, {&a, 0}, {&a, 1}})
+    writer.write(channel_of<SessionHeader>(), 0, encode(*session, sequence));
+  writer.close();
+  const Reading reading = read_all(read_bytes(folder / "a.lcm"));
+  ASSERT_EQ(reading.messages.size(), 3u);
+  const SessionHeader* expected[] = {&a, &b, &a};
+  for (size_t i = 0; i < 3; ++i) expect_equal(std::get<SessionHeader>(reading.messages[i]), *expected[i]);
+  EXPECT_EQ(reading.integrity.events, 7);
+}
+
 TEST(MessageReader, TellsAMissionWithoutItsBeginningOrItsEnd) {
   CloudSlice slice = sample_slice();
   slice.is_final = false;

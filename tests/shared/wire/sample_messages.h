@@ -128,6 +128,7 @@ inline MissionStatus sample_status() {
           TrackingCause::kNoDepth,
           0.25,
           61,
+          7,
           StorageLevel::kNoKeyframes,
           12};
 }
@@ -289,6 +290,7 @@ inline void expect_equal(const MissionStatus& a, const MissionStatus& b) {
   EXPECT_EQ(a.temperature_c, b.temperature_c);
   EXPECT_EQ(a.storage, b.storage);
   EXPECT_EQ(a.not_stored, b.not_stored);
+  EXPECT_EQ(a.not_published, b.not_published);
 }
 inline void expect_equal(const CompressedFrame& a, const CompressedFrame& b) {
   EXPECT_EQ(a.sequence, b.sequence);

@@ -152,6 +152,31 @@ TEST(Convert, VelocitiesHaveNoPlaceInAFolder) {
   EXPECT_FALSE(std::filesystem::exists(scratch / "tum" / "odometry.txt")) << "of other frames";
 }
 
+TEST(Convert, PosesOfOneThingMakeTheOdometryOfAFolder) {
+  for (const auto first : {MotionSample::Of::kCamera, MotionSample::Of::kBody}) {
+    const ScratchDir scratch;
+    LogSink sink(scratch / "a.lcm");
+    sink.on_session(sample_session());
+    for (int64_t i = 0; i < 5; ++i) {
+      MotionSample sample = odometry_sample(20'000 * i);
+      const bool is_first = i % 2 == 0;
+      sample.of = is_first == (first == MotionSample::Of::kBody) ? MotionSample::Of::kBody
+                                                                 : MotionSample::Of::kCamera;
+      sink.on_motion_sample(sample);
+    }
+    sink.on_raw_frame({0, 5, 5, Image<uint16_t>(64, 48, uint16_t{5000}), {}});
+    sink.close();
+    const std::string done = convert((scratch / "a.lcm").string(), scratch / "tum", {});
+    EXPECT_NE(done.find("3 motion samples, 2 motion samples left out: odometry.txt holds poses"),
+              std::string::npos)
+        << done;
+    const std::vector<MotionSample> odometry = read_odometry(scratch / "tum" / "odometry.txt");
+    ASSERT_EQ(odometry.size(), 3u);
+    EXPECT_EQ(odometry[1].of, first);
+    EXPECT_EQ(odometry[1].timestamp_us, 40'000);
+  }
+}
+
 TEST(Convert, JpegIsTheDefaultForColour) {
   const ScratchDir scratch;
   write_tum_folder(scratch / "tum");

@@ -67,11 +67,40 @@ TEST(LiveState, StatusBringsDropsVolumeAndTemperature) {
 }
 
 TEST(LiveState, ASessionBeginsAnew) {
+  for (const bool knows_the_one_before : {false, true}) {
+    LiveState state;
+    SessionHeader session = sample_session();
+    if (knows_the_one_before) state.add(session, at(0));
+    state.add(pose_at(500), at(0));
+    session.timestamp_us = pose_at(500).timestamp_us + 1;
+    state.add(session, at(1));
+    EXPECT_THAT(state.line(at(1)), HasSubstr("0 frames"));
+    state.add(pose_at(0), at(1));
+    EXPECT_THAT(state.line(at(1)), AllOf(HasSubstr("1 frames"), Not(HasSubstr("501"))));
+  }
+}
+
+TEST(LiveState, ASessionThatComesAgainOrLateBeginsNothing) {
   LiveState state;
+  SessionHeader session = sample_session();
+  session.timestamp_us = pose_at(0).timestamp_us;
   state.add(pose_at(500), at(0));
-  state.add(sample_session(), at(1));
-  state.add(pose_at(0), at(1));
-  EXPECT_THAT(state.line(at(1)), AllOf(HasSubstr("1 frames"), Not(HasSubstr("501"))));
+  for (int i = 1; i < 3; ++i) {
+    state.add(session, at(i));
+    EXPECT_THAT(state.line(at(i)), HasSubstr("501 frames"));
+  }
+  EXPECT_THAT(state.lines(at(3))[3], HasSubstr("(" + session.calibration.name + ")"));
+}
+
+TEST(LiveState, TellsOfMessagesThatAreNowhere) {
+  LiveState state;
+  MissionStatus status = sample_status();
+  state.add(status, at(0));
+  EXPECT_THAT(state.line(at(0)), HasSubstr("12 messages not stored, 7 not published"));
+  EXPECT_THAT(state.lines(at(0)), testing::Contains(HasSubstr("gaps")));
+  status.not_stored = status.not_published = 0;
+  state.add(status, at(1));
+  EXPECT_THAT(state.lines(at(1)), testing::Not(testing::Contains(HasSubstr("gaps"))));
 }
 
 TEST(LiveState, DiskTellsHowLongItLasts) {
