@@ -55,7 +55,9 @@ target_include_directories(kt_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(kt_flags INTERFACE
   # False alarms of g++ 12: -Wrestrict on "literal" + std::string, and, under sanitizers, uninitialised std::optional values.
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-restrict $<$<BOOL:${KT_SANITIZE}>:-Wno-maybe-uninitialized>>
-  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off -fno-math-errno -fno-trapping-math>
+  # Compiled together, what is local to one file shadows what is local to another.
+  $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<NOT:$<BOOL:${CMAKE_UNITY_BUILD}>>>:-Wshadow>
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wnon-virtual-dtor -ffp-contract=off -fno-math-errno -fno-trapping-math>
   $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${KT_MARCH}>>:-march=${KT_MARCH}>
   $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${KT_WERROR}>>:-Werror>
   $<$<COMPILE_LANGUAGE:CUDA>:-fmad=$<IF:$<BOOL:$<TARGET_PROPERTY:KT_CONTRACTED>>,true,false> --ftz=false --prec-div=true
