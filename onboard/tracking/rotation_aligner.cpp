@@ -12,7 +12,7 @@ namespace kt {
 namespace {
 
 constexpr int kCoarsest = kIntensityLevels - 1;
-constexpr int kIterations = 12;
+constexpr int kMaxIterations = 12;
 constexpr float kRotationCauchySigmas = 2.5f;
 constexpr double kSigma = 10;  // grey levels
 // An overlap this small says nothing.
@@ -83,7 +83,7 @@ Eigen::Matrix3d RotationAligner::align(const FrameMaps& maps, const Eigen::Matri
   double first_cost = 0;
   Eigen::Matrix3d best = R_last_current;
   double best_cost = 0;
-  for (int iteration = 0; iteration <= kIterations; ++iteration) {
+  for (int iteration = 0; iteration <= kMaxIterations; ++iteration) {
     const RotationResidual residual{
         {last_.data(), intensity.camera.width, intensity.camera.height},
         to_mat3f(R_last_current.transpose()),
@@ -93,7 +93,7 @@ Eigen::Matrix3d RotationAligner::align(const FrameMaps& maps, const Eigen::Matri
     const double now = cost(equations, pixels);
     if (iteration == 0) first_cost = best_cost = now;
     if (now < best_cost) best_cost = now, best = R_last_current;
-    if (iteration == kIterations) break;
+    if (iteration == kMaxIterations) break;
     const Vector5d step = solve(equations);
     R_last_current = exp_so3(step.head<3>()) * R_last_current;
     exposure.gain += static_cast<float>(step(3));

@@ -40,8 +40,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Eigen::Vector3d to_eigen(Vec3f p) { return Eigen::Vector3f(p.x, p.y, p.z).cast<double>(); }
-
 double p95(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values.empty() ? 0 : values[static_cast<size_t>(0.95 * static_cast<double>(values.size() - 1))];

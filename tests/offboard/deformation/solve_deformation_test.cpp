@@ -43,7 +43,7 @@ Surface surface_of(const Trajectory& before, const std::vector<Pose>& truth) {
 std::vector<double> errors_m(const Surface& surface) {
   std::vector<double> errors;
   for (size_t i = 0; i < surface.vertices.size(); ++i)
-    errors.push_back((test::to_eigen(surface.vertices[i].p_odom) - surface.p_world[i]).norm());
+    errors.push_back((to_eigen(surface.vertices[i].p_odom) - surface.p_world[i]).norm());
   return errors;
 }
 

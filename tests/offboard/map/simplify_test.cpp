@@ -40,7 +40,7 @@ Mesh made_sphere(int levels) {
   return mesh;
 }
 
-std::map<std::pair<uint32_t, uint32_t>, int> edges_of(const Mesh& mesh) {
+std::map<std::pair<uint32_t, uint32_t>, int> uses_of_edges(const Mesh& mesh) {
   std::map<std::pair<uint32_t, uint32_t>, int> uses;
   for (const auto& t : mesh.triangles) {
     for (size_t k = 0; k < 3; ++k) ++uses[std::minmax(t[k], t[(k + 1) % 3])];
@@ -50,7 +50,7 @@ std::map<std::pair<uint32_t, uint32_t>, int> edges_of(const Mesh& mesh) {
 
 std::set<std::array<float, 3>> border_of(const Mesh& mesh) {
   std::set<std::array<float, 3>> points;
-  for (const auto& [edge, count] : edges_of(mesh)) {
+  for (const auto& [edge, count] : uses_of_edges(mesh)) {
     if (count != 1) continue;
     for (const uint32_t v : {edge.first, edge.second})
       points.insert({mesh.vertices[v].x, mesh.vertices[v].y, mesh.vertices[v].z});
@@ -95,7 +95,7 @@ TEST(Simplify, ASphereStaysClosedAndRound) {
   EXPECT_LT(report.largest_error_m, 0.02);
   for (const Vec3f p : mesh.vertices) EXPECT_NEAR(norm(p), 1, 0.02f);
   EXPECT_GT(area_m2(mesh), 0.96 * area_m2(before));
-  const auto edges = edges_of(mesh);
+  const auto edges = uses_of_edges(mesh);
   for (const auto& [edge, count] : edges) EXPECT_EQ(count, 2);
   EXPECT_EQ(mesh.vertices.size() + mesh.triangles.size(), edges.size() + 2);  // Euler
   for (const auto& [a, b, c] : mesh.triangles) {

@@ -250,7 +250,7 @@ TEST(Mission, WithoutAUsableFrameIsAnErrorWithTheReason) {
   }
 }
 
-std::string error_of(FrameSource& source, MessageSink& sink) {
+std::string mission_error(FrameSource& source, MessageSink& sink) {
   try {
     run_mission(source, sink, small_mission());
   } catch (const Error& error) {
@@ -262,7 +262,7 @@ std::string error_of(FrameSource& source, MessageSink& sink) {
 TEST(Mission, PassesOnWhatTheSourceThrewAfterTheFinalSlice) {
   ListSource source(room_items(3), "the camera was unplugged"), ends(room_items(3));
   RecordingSink sink, whole;
-  EXPECT_EQ(error_of(source, sink), "the camera was unplugged");
+  EXPECT_EQ(mission_error(source, sink), "the camera was unplugged");
   EXPECT_THAT(sink.calls,
               ElementsAre("session", "pose", "pose", "pose", "keyframe", "slice", "status", "close"));
   EXPECT_TRUE(sink.slices.back().is_final);
@@ -274,7 +274,7 @@ TEST(Mission, PassesOnWhatTheSourceThrewAfterTheFinalSlice) {
 TEST(Mission, PassesOnWhatTheSourceThrewBeforeItsFirstFrame) {
   ListSource source({}, "the camera is not there");
   RecordingSink sink;
-  EXPECT_EQ(error_of(source, sink), "the camera is not there");
+  EXPECT_EQ(mission_error(source, sink), "the camera is not there");
   EXPECT_TRUE(sink.sessions.empty());
   EXPECT_TRUE(sink.slices.empty());
 }

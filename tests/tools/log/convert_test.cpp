@@ -45,8 +45,8 @@ void write_tum_folder(const std::filesystem::path& folder) {
   write_calibration(folder / "calibration.yaml", calibration);
 }
 
-std::string error_of(const std::string& from, const std::filesystem::path& to,
-                     const ConvertOptions& options = {}) {
+std::string conversion_error(const std::string& from, const std::filesystem::path& to,
+                             const ConvertOptions& options = {}) {
   try {
     convert(from, to, options);
   } catch (const Error& error) {
@@ -239,10 +239,10 @@ TEST(Convert, RefusesWhatTheLogDoesNotHold) {
   sink.on_session(sample_session());
   sink.close();
   const std::string log = (scratch / "a.lcm").string();
-  EXPECT_NE(error_of(log, scratch / "t.txt").find("holds no poses"), std::string::npos);
-  EXPECT_NE(error_of(log, scratch / "folder").find("holds no raw frames"), std::string::npos);
-  EXPECT_NE(error_of(log, scratch / "b.lcm").find("tum:DIR"), std::string::npos);
-  EXPECT_NE(error_of("/nowhere.lcm", scratch / "t.txt").find("does not exist"), std::string::npos);
+  EXPECT_NE(conversion_error(log, scratch / "t.txt").find("holds no poses"), std::string::npos);
+  EXPECT_NE(conversion_error(log, scratch / "folder").find("holds no raw frames"), std::string::npos);
+  EXPECT_NE(conversion_error(log, scratch / "b.lcm").find("tum:DIR"), std::string::npos);
+  EXPECT_NE(conversion_error("/nowhere.lcm", scratch / "t.txt").find("does not exist"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(scratch / "folder"));
 }
 
@@ -251,7 +251,7 @@ TEST(Convert, ASourceBecomesALogAndNothingElse) {
   write_tum_folder(scratch / "tum");
   const std::string source = "tum:" + (scratch / "tum").string();
   for (const char* target : {"trajectory.txt", "folder"}) {
-    EXPECT_NE(error_of(source, scratch / target).find(".lcm"), std::string::npos);
+    EXPECT_NE(conversion_error(source, scratch / target).find(".lcm"), std::string::npos);
     EXPECT_FALSE(std::filesystem::exists(scratch / target));
   }
 }
@@ -268,7 +268,7 @@ TEST(Convert, ACalibrationTakesThePlaceOfTheSourcesOwnAndIsNamed) {
   EXPECT_NE(done.find("camera another camera"), std::string::npos) << done;
   convert(log, scratch / "folder", {});
   EXPECT_EQ(read_calibration(scratch / "folder" / "calibration.yaml").depth.fx, 77);
-  EXPECT_NE(error_of(log, scratch / "t.txt", {.calibration = other}).find("--calibration"),
+  EXPECT_NE(conversion_error(log, scratch / "t.txt", {.calibration = other}).find("--calibration"),
             std::string::npos);
 }
 
@@ -277,8 +277,8 @@ TEST(Convert, OverwritesOnlyWhenAsked) {
   write_tum_folder(scratch / "tum");
   const std::string source = "tum:" + (scratch / "tum").string(), log = (scratch / "a.lcm").string();
   convert(source, log, {});
-  EXPECT_NE(error_of(source, log).find("exists"), std::string::npos);
-  EXPECT_NE(error_of(log, scratch / "tum").find("exists"), std::string::npos);
+  EXPECT_NE(conversion_error(source, log).find("exists"), std::string::npos);
+  EXPECT_NE(conversion_error(log, scratch / "tum").find("exists"), std::string::npos);
   EXPECT_NO_THROW(convert(source, log, {.overwrite = true}));
   EXPECT_NO_THROW(convert(log, scratch / "tum", {.overwrite = true}));
 }
@@ -287,7 +287,7 @@ TEST(Convert, FullDiskIsAnError) {
   const ScratchDir scratch;
   write_tum_folder(scratch / "tum");
   std::filesystem::create_symlink("/dev/full", scratch / "full.lcm");
-  EXPECT_NE(error_of("tum:" + (scratch / "tum").string(), scratch / "full.lcm").find("No space left"),
+  EXPECT_NE(conversion_error("tum:" + (scratch / "tum").string(), scratch / "full.lcm").find("No space left"),
             std::string::npos);
 }
 
