@@ -20,8 +20,6 @@ size_t find(const Trajectory& before, std::span<const Pose> after, int64_t seque
   return index;
 }
 
-Eigen::Vector3d to_eigen(Vec3f p) { return Eigen::Vector3f(p.x, p.y, p.z).cast<double>(); }
-
 }  // namespace
 
 std::vector<PointConstraint> camera_constraints(const Trajectory& before, std::span<const Pose> after,

@@ -30,8 +30,6 @@ NodeMotion motion_of(const DeformationNode& node) {
   return motion;
 }
 
-Eigen::Vector3d to_eigen(Vec3f v) { return Eigen::Vector3f(v.x, v.y, v.z).cast<double>(); }
-
 Vec3f to_vec3f(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }

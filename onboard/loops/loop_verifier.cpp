@@ -27,7 +27,7 @@ constexpr double kLeastKeptInliers = 0.6;
 constexpr double kMostTurned = 0.4;
 
 // Size of the structure, in pixels of the intensity image, that a corner of level 0 has.
-constexpr double kFinestScale_px = 1.5;
+constexpr double kScaleOfFinest_px = 1.5;
 
 /// Features in the intensity image, at half the resolution of the colour image.
 std::vector<Feature> features_of(const Keyframe& keyframe) {
@@ -38,7 +38,7 @@ std::vector<Feature> features_of(const Keyframe& keyframe) {
                      (static_cast<double>(keyframe.v_px[i]) + 0.5) / 2 - 0.5};
     const Vec3f p = keyframe.p_camera[i];
     feature.p_camera = {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
-    double scale = static_cast<double>(keyframe.scale_px[i]) / 2 / kFinestScale_px;
+    double scale = static_cast<double>(keyframe.scale_px[i]) / 2 / kScaleOfFinest_px;
     for (feature.level = 0; scale > 1.42 && feature.level < 5; scale /= 2) ++feature.level;
   }
   return features;

@@ -14,6 +14,10 @@ struct ImageSize {
   friend bool operator==(const ImageSize&, const ImageSize&) = default;
 };
 
+/// Of a camera of which nothing else is asked.
+constexpr ImageSize kUsualSize{640, 480};
+constexpr int kUsualRate_hz = 30;
+
 /// A device and options, separated by commas: "1d27/0609@1/5,size=320x240,fps=60". What is left empty is the
 /// device's own choice.
 struct CameraSpec {

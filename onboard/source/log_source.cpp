@@ -15,7 +15,7 @@
 namespace kt {
 namespace {
 
-constexpr int64_t kMaxGap = 100'000;  // an hour of frames: a longer gap is some other recording's numbering
+constexpr int64_t kMaxLost = 100'000;  // an hour of frames: a longer gap is some other recording's numbering
 
 class LogSource final : public FrameSource {
  public:
@@ -64,7 +64,7 @@ class LogSource final : public FrameSource {
 
   void add_motion(const MotionSample& sample) {
     const int64_t missing = reader_.channels()[message_index<MotionSample>()].missing;
-    for (int64_t lost = std::min(missing - std::exchange(missing_motion_, missing), kMaxGap); lost > 0;
+    for (int64_t lost = std::min(missing - std::exchange(missing_motion_, missing), kMaxLost); lost > 0;
          --lost) {
       before_.push_back({.kind = SourceItem::Kind::kSkippedMotion,
                          .reason = name_ + ": a motion sample before number " +
@@ -93,7 +93,7 @@ class LogSource final : public FrameSource {
       } else if (const auto* frame = std::get_if<CompressedFrame>(&*message)) {
         frame_ = *frame;
         // The gap in the sequence numbers holds the damaged ones too.
-        lost_ = std::min(frames().missing - missing, kMaxGap);
+        lost_ = std::min(frames().missing - missing, kMaxLost);
         reason_ = name_ + ": a raw frame before number " + std::to_string(frame->sequence) +
                   " is damaged or missing";
         return true;

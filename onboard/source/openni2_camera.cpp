@@ -18,8 +18,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kSlice{100};  // between two looks at whether the device is still there
-constexpr ImageSize kUsualSize{640, 480};
-constexpr int kUsualRate_hz = 30;
 
 // What the library said last, on one line.
 std::string library_error() {

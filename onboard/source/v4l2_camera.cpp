@@ -14,9 +14,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr ImageSize kUsualSize{640, 480};
-constexpr int kUsualRate_hz = 30;
-
 struct V4l2Nodes {
   std::string depth, colour;  ///< colour empty: a camera without
   V4l2Request depth_request, colour_request;

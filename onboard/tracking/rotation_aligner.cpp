@@ -11,9 +11,9 @@
 namespace kt {
 namespace {
 
-constexpr int kLevel = kIntensityLevels - 1;
-constexpr int kIterations = 12;
-constexpr float kCauchySigmas = 2.5f;
+constexpr int kCoarsest = kIntensityLevels - 1;
+constexpr int kMaxIterations = 12;
+constexpr float kRotationCauchySigmas = 2.5f;
 constexpr double kSigma = 10;  // grey levels
 // An overlap this small says nothing.
 constexpr double kLeastShare = 0.3;
@@ -46,7 +46,7 @@ double cost(const Equations& equations, int64_t pixels) {
   const auto count = static_cast<double>(equations.count);
   const double seen = equations.weighted_squares / std::max(1.0, count);
   const double share = count / static_cast<double>(pixels);
-  return share * seen + (1 - share) * kCauchySigmas * kCauchySigmas;
+  return share * seen + (1 - share) * kRotationCauchySigmas * kRotationCauchySigmas;
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ void RotationAligner::remember(const FrameMaps& maps) {
   last_us_ = maps.timestamp_us;
   last_colour_us_ = maps.colour_timestamp_us;
   if (!has_last_) return;
-  const IntensityLevel& intensity = maps.intensity.level(kLevel);
+  const IntensityLevel& intensity = maps.intensity.level(kCoarsest);
   exec::for_each(device_, intensity.camera.pixel_count(), CopyFloats{intensity.levels.data(), last_.data()});
 }
 
@@ -75,7 +75,7 @@ Eigen::Matrix3d RotationAligner::align(const FrameMaps& maps, const Eigen::Matri
   if (!has_last_ || !maps.has_colour || interval_us <= 0 || colour_interval_us <= 0) return R_guess;
   const double scale = colour_interval_us / interval_us;
   if (scale < 0.5 || scale > 2) return R_guess;
-  const IntensityLevel& intensity = maps.intensity.level(kLevel);
+  const IntensityLevel& intensity = maps.intensity.level(kCoarsest);
   const int64_t pixels = intensity.camera.pixel_count();
   Eigen::Matrix3d R_last_current =
       R_colour_depth_ * exp_so3(scale * log_so3(R_guess)) * R_colour_depth_.transpose();
@@ -83,17 +83,17 @@ Eigen::Matrix3d RotationAligner::align(const FrameMaps& maps, const Eigen::Matri
   double first_cost = 0;
   Eigen::Matrix3d best = R_last_current;
   double best_cost = 0;
-  for (int iteration = 0; iteration <= kIterations; ++iteration) {
+  for (int iteration = 0; iteration <= kMaxIterations; ++iteration) {
     const RotationResidual residual{
         {last_.data(), intensity.camera.width, intensity.camera.height},
         to_mat3f(R_last_current.transpose()),
-        {intensity.view(), intensity.camera, exposure, static_cast<float>(kSigma), kCauchySigmas}};
+        {intensity.view(), intensity.camera, exposure, static_cast<float>(kSigma), kRotationCauchySigmas}};
     const Equations equations = exec::reduce_normal_equations(device_, pixels, residual, workspace_);
     if (static_cast<double>(equations.count) < kLeastShare * static_cast<double>(pixels)) break;
     const double now = cost(equations, pixels);
     if (iteration == 0) first_cost = best_cost = now;
     if (now < best_cost) best_cost = now, best = R_last_current;
-    if (iteration == kIterations) break;
+    if (iteration == kMaxIterations) break;
     const Vector5d step = solve(equations);
     R_last_current = exp_so3(step.head<3>()) * R_last_current;
     exposure.gain += static_cast<float>(step(3));

@@ -15,7 +15,7 @@
 namespace kt {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kRadPerDegree = std::numbers::pi / 180;
 
 // Fits are judged at the coarsest level: cheap, and the shares are the same.
 constexpr int kJudgedLevel = kPyramidLevels - 1;
@@ -126,7 +126,7 @@ PointToPlane cost(const TrackingConfig& config, const FrameMaps& maps, const Fra
   return {{surface.depth_view(), surface.normals.data(), surface.camera, to_rigid3f(T_model_current),
            model.camera, model.points.data(), model.normals.data(), motion.depth_rows(surface.camera)},
           static_cast<float>(config.max_distance_m),
-          static_cast<float>(std::cos(config.max_normal_angle_deg * kDegree)),
+          static_cast<float>(std::cos(config.max_normal_angle_deg * kRadPerDegree)),
           static_cast<float>(1 << level),
           static_cast<float>(config.robust_sigmas)};
 }

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kHeight = 2.6, kEast = 11.6, kNorth = 9.2, kWall = 0.12;
+constexpr double kStoreyHeight = 2.6, kEast = 11.6, kNorth = 9.2, kWall = 0.12;
 // Inner faces of the corridor's walls, and its middle.
 constexpr double kCorridorSouth = 4.12, kCorridorNorth = 5.52, kMiddle = 4.82;
 // Where the doors are along x.
@@ -23,20 +23,20 @@ void build_walls(Furnisher* f) {
   const Material partition = palette::plaster();
   const double half = kWall / 2;
   f->box(origin, {kEast / 2, kNorth / 2, -0.05}, {kEast + 0.4, kNorth + 0.4, 0.1}, palette::parquet());
-  f->box(origin, {kEast / 2, kNorth / 2, kHeight + 0.05}, {kEast + 0.4, kNorth + 0.4, 0.1},
+  f->box(origin, {kEast / 2, kNorth / 2, kStoreyHeight + 0.05}, {kEast + 0.4, kNorth + 0.4, 0.1},
          palette::ceiling());
-  add_wall(f, {-kWall, -half}, {kEast + kWall, -half}, kWall, kHeight, {}, outside);
-  add_wall(f, {-kWall, kNorth + half}, {kEast + kWall, kNorth + half}, kWall, kHeight, {}, outside);
-  add_wall(f, {-half, 0}, {-half, kNorth}, kWall, kHeight, {}, outside);
-  add_wall(f, {kEast + half, 0}, {kEast + half, kNorth}, kWall, kHeight, {}, outside);
-  add_wall(f, {0, kCorridorSouth - half}, {kEast, kCorridorSouth - half}, kWall, kHeight,
+  add_wall(f, {-kWall, -half}, {kEast + kWall, -half}, kWall, kStoreyHeight, {}, outside);
+  add_wall(f, {-kWall, kNorth + half}, {kEast + kWall, kNorth + half}, kWall, kStoreyHeight, {}, outside);
+  add_wall(f, {-half, 0}, {-half, kNorth}, kWall, kStoreyHeight, {}, outside);
+  add_wall(f, {kEast + half, 0}, {kEast + half, kNorth}, kWall, kStoreyHeight, {}, outside);
+  add_wall(f, {0, kCorridorSouth - half}, {kEast, kCorridorSouth - half}, kWall, kStoreyHeight,
            {kLiving, kKitchen, kStudy}, inside);
-  add_wall(f, {0, kCorridorNorth + half}, {kEast, kCorridorNorth + half}, kWall, kHeight,
+  add_wall(f, {0, kCorridorNorth + half}, {kEast, kCorridorNorth + half}, kWall, kStoreyHeight,
            {kBedroom, kChild, kOffice}, inside);
   for (const double x : {5.06, 8.36})
-    add_wall(f, {x, 0}, {x, kCorridorSouth - kWall}, kWall, kHeight, {}, partition);
+    add_wall(f, {x, 0}, {x, kCorridorSouth - kWall}, kWall, kStoreyHeight, {}, partition);
   for (const double x : {4.66, 7.96})
-    add_wall(f, {x, kCorridorNorth + kWall}, {x, kNorth}, kWall, kHeight, {}, partition);
+    add_wall(f, {x, kCorridorNorth + kWall}, {x, kNorth}, kWall, kStoreyHeight, {}, partition);
 }
 
 void furnish_kitchen(Furnisher* f) {  // x 5.12 to 8.30

@@ -8,12 +8,12 @@
 namespace kt {
 namespace {
 
-struct Light {
+struct MeanLight {
   double r = 0, g = 0, b = 0;
 };
 
-Light mean_light(const View& view) {
-  Light sum;
+MeanLight mean_light(const View& view) {
+  MeanLight sum;
   for (const Vec3f& light : view.radiance.pixels()) sum.r += light.x, sum.g += light.y, sum.b += light.z;
   const auto count = static_cast<double>(view.radiance.pixel_count());
   return {sum.r / count, sum.g / count, sum.b / count};
@@ -24,7 +24,7 @@ struct Gains {
 };
 
 // What the control would settle on.
-Gains wanted_gains(const Light& light, const AutoExposure& control) {
+Gains wanted_gains(const MeanLight& light, const AutoExposure& control) {
   const auto ratio = [](double a, double b) { return a / std::max(b, 1e-6); };
   const auto tint = [&](double other) {
     return std::clamp(std::sqrt(ratio(light.g, other)), 1 / control.largest_tint, control.largest_tint);

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kHeight = 2.5;
+constexpr double kCorridorHeight = 2.5;
 // The straight corridor runs along x; its ends lie beyond what any depth image holds.
 constexpr double kBeyond = 27.4, kHalfWidth = 1.0, kPathLength = 12.6;
 
@@ -22,13 +22,14 @@ World straight_corridor(double path_m) {
   const Pose origin = Pose::Identity();
   const double length = 2 * end + 0.2;
   f.box(origin, {0, 0, -0.05}, {length, 2 * kHalfWidth, 0.1}, palette::stone_tiles());
-  f.box(origin, {0, 0, kHeight + 0.05}, {length, 2 * kHalfWidth, 0.1}, palette::ceiling());
-  f.box(origin, {0, -kHalfWidth - 0.05, kHeight / 2}, {length, 0.1, kHeight},
+  f.box(origin, {0, 0, kCorridorHeight + 0.05}, {length, 2 * kHalfWidth, 0.1}, palette::ceiling());
+  f.box(origin, {0, -kHalfWidth - 0.05, kCorridorHeight / 2}, {length, 0.1, kCorridorHeight},
         palette::wallpaper({0.62f, 0.58f, 0.46f}, {0.30f, 0.34f, 0.40f}, 0.2));
-  f.box(origin, {0, kHalfWidth + 0.05, kHeight / 2}, {length, 0.1, kHeight},
+  f.box(origin, {0, kHalfWidth + 0.05, kCorridorHeight / 2}, {length, 0.1, kCorridorHeight},
         palette::wallpaper({0.52f, 0.60f, 0.60f}, {0.50f, 0.26f, 0.20f}, 0.24));
   for (const double x : {-end, end}) {
-    f.box(origin, {x, 0, kHeight / 2}, {0.1, 2 * kHalfWidth, kHeight}, palette::white_paint());
+    f.box(origin, {x, 0, kCorridorHeight / 2}, {0.1, 2 * kHalfWidth, kCorridorHeight},
+          palette::white_paint());
   }
   // Evenly lit over the length of the path, so that light gives no landmark.
   for (double x = -6; x < path_m + 12; x += 2) world.scene.add_light({{x, 0, 2.4}, 3.5, 0.25});
@@ -71,12 +72,14 @@ World make_ring() {
   const Material outer = palette::wallpaper({0.62f, 0.58f, 0.46f}, {0.36f, 0.30f, 0.28f});
   const Material inner = palette::plaster();
   f.box(origin, {width / 2, depth / 2, -0.05}, {width + 0.4, depth + 0.4, 0.1}, palette::stone_tiles());
-  f.box(origin, {width / 2, depth / 2, kHeight + 0.05}, {width + 0.4, depth + 0.4, 0.1}, palette::ceiling());
-  add_wall(&f, {-0.1, -0.05}, {width + 0.1, -0.05}, 0.1, kHeight, {}, outer);
-  add_wall(&f, {-0.1, depth + 0.05}, {width + 0.1, depth + 0.05}, 0.1, kHeight, {}, outer);
-  add_wall(&f, {-0.05, 0}, {-0.05, depth}, 0.1, kHeight, {}, outer);
-  add_wall(&f, {width + 0.05, 0}, {width + 0.05, depth}, 0.1, kHeight, {}, outer);
-  f.box(origin, {width / 2, depth / 2, kHeight / 2}, {width - 2 * lane, depth - 2 * lane, kHeight}, inner);
+  f.box(origin, {width / 2, depth / 2, kCorridorHeight + 0.05}, {width + 0.4, depth + 0.4, 0.1},
+        palette::ceiling());
+  add_wall(&f, {-0.1, -0.05}, {width + 0.1, -0.05}, 0.1, kCorridorHeight, {}, outer);
+  add_wall(&f, {-0.1, depth + 0.05}, {width + 0.1, depth + 0.05}, 0.1, kCorridorHeight, {}, outer);
+  add_wall(&f, {-0.05, 0}, {-0.05, depth}, 0.1, kCorridorHeight, {}, outer);
+  add_wall(&f, {width + 0.05, 0}, {width + 0.05, depth}, 0.1, kCorridorHeight, {}, outer);
+  f.box(origin, {width / 2, depth / 2, kCorridorHeight / 2},
+        {width - 2 * lane, depth - 2 * lane, kCorridorHeight}, inner);
 
   f.door(place(3, 0, 0, 1), palette::oak());
   f.door(place(6.5, 0, 0, 1), palette::walnut());
@@ -102,11 +105,15 @@ World make_ring() {
   f.clutter(place(1.3, 0.15, 0, 1, 0.9), 0.7, 0.2, 3, 108);
   // Pillars along the inner block.
   for (const double x : {3.4, 6.2})
-    f.box(origin, {x, lane - 0.06, kHeight / 2}, {0.3, 0.12, kHeight}, palette::white_paint());
+    f.box(origin, {x, lane - 0.06, kCorridorHeight / 2}, {0.3, 0.12, kCorridorHeight},
+          palette::white_paint());
   for (const double x : {4.4, 7.0})
-    f.box(origin, {x, depth - lane + 0.06, kHeight / 2}, {0.3, 0.12, kHeight}, palette::white_paint());
-  f.box(origin, {width - lane + 0.06, 4.2, kHeight / 2}, {0.12, 0.3, kHeight}, palette::white_paint());
-  f.box(origin, {lane - 0.06, 3.4, kHeight / 2}, {0.12, 0.3, kHeight}, palette::white_paint());
+    f.box(origin, {x, depth - lane + 0.06, kCorridorHeight / 2}, {0.3, 0.12, kCorridorHeight},
+          palette::white_paint());
+  f.box(origin, {width - lane + 0.06, 4.2, kCorridorHeight / 2}, {0.12, 0.3, kCorridorHeight},
+        palette::white_paint());
+  f.box(origin, {lane - 0.06, 3.4, kCorridorHeight / 2}, {0.12, 0.3, kCorridorHeight},
+        palette::white_paint());
   uint32_t number = 50;
   for (const double x : {2.6, 4.8, 7.3}) {
     f.picture(place(x, lane, 0, -1, 1.5), 0.8, 0.6, number++);

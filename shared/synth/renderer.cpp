@@ -48,8 +48,8 @@ struct ScreenBox {
 };
 
 // Box on screen of the primitive's bounding box; false where it is out of view.
-bool place(const Primitive& primitive, const Pose& T_camera_world, const Camera& camera,
-           Candidate* candidate) {
+bool project_bounds(const Primitive& primitive, const Pose& T_camera_world, const Camera& camera,
+                    Candidate* candidate) {
   const Pose T_camera_local = T_camera_world * primitive.T_world_local;
   const LocalBounds bounds = local_bounds(primitive.shape);
   Vector3d corners[8];
@@ -89,7 +89,8 @@ std::vector<Candidate> visible_candidates(const Scene& scene, const Pose& T_came
   for (size_t i = 0; i < scene.primitives().size(); ++i) {
     Candidate candidate;
     candidate.index = static_cast<int>(i);
-    if (place(scene.primitives()[i], T_camera_world, camera, &candidate)) candidates.push_back(candidate);
+    if (project_bounds(scene.primitives()[i], T_camera_world, camera, &candidate))
+      candidates.push_back(candidate);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.z_min < b.z_min; });

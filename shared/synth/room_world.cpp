@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kHeight = 2.6;
+constexpr double kRoomHeight = 2.6;
 
 // Eight directions an eighth of a turn apart, from +x to +y.
 constexpr double kDiagonal = 0.70710678118654752;
@@ -24,11 +24,11 @@ Scene living_room() {
   const Material wallpaper = palette::wallpaper({0.66f, 0.60f, 0.47f}, {0.42f, 0.30f, 0.26f});
   const Material other_wall = palette::wallpaper({0.50f, 0.60f, 0.58f}, {0.70f, 0.72f, 0.62f}, 0.22);
   furnisher.box(origin, {2.5, 2, -0.05}, {5.4, 4.4, 0.1}, palette::parquet());
-  furnisher.box(origin, {2.5, 2, kHeight + 0.05}, {5.4, 4.4, 0.1}, palette::ceiling());
-  add_wall(&furnisher, {-0.1, -0.05}, {5.1, -0.05}, 0.1, kHeight, {}, wallpaper);
-  add_wall(&furnisher, {-0.1, 4.05}, {5.1, 4.05}, 0.1, kHeight, {}, wallpaper);
-  add_wall(&furnisher, {-0.05, 0}, {-0.05, 4}, 0.1, kHeight, {}, other_wall);
-  add_wall(&furnisher, {5.05, 0}, {5.05, 4}, 0.1, kHeight, {}, other_wall);
+  furnisher.box(origin, {2.5, 2, kRoomHeight + 0.05}, {5.4, 4.4, 0.1}, palette::ceiling());
+  add_wall(&furnisher, {-0.1, -0.05}, {5.1, -0.05}, 0.1, kRoomHeight, {}, wallpaper);
+  add_wall(&furnisher, {-0.1, 4.05}, {5.1, 4.05}, 0.1, kRoomHeight, {}, wallpaper);
+  add_wall(&furnisher, {-0.05, 0}, {-0.05, 4}, 0.1, kRoomHeight, {}, other_wall);
+  add_wall(&furnisher, {5.05, 0}, {5.05, 4}, 0.1, kRoomHeight, {}, other_wall);
   furnish_living_room(&furnisher);
   furnisher.door(place(4.3, 4, 0, -1), palette::oak());
   scene.add_light({{2.4, 2.0, 2.45}, 5.0, 0.6});

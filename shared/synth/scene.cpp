@@ -29,7 +29,10 @@ std::optional<Hit> Scene::cast(const Vector3d& origin, const Vector3d& direction
     const double distance =
         intersect(primitives_[i].shape, T.linear().transpose() * (origin - T.translation()),
                   T.linear().transpose() * direction);
-    if (distance < hit.distance) hit = {distance, static_cast<int>(i), {}, {}, {}};
+    if (distance < hit.distance) {
+      hit.distance = distance;
+      hit.primitive = static_cast<int>(i);
+    }
   }
   if (hit.primitive < 0) return std::nullopt;
   const Primitive& primitive = primitives_[static_cast<size_t>(hit.primitive)];

@@ -15,7 +15,7 @@
 namespace kt {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNothingSeen = std::numeric_limits<double>::infinity();
 constexpr double kEdgeRatio = 1.04;  // depths that differ by more than this factor lie on two surfaces
 
 uint16_t quantised(double z_m, double unit_m) {
@@ -33,7 +33,7 @@ bool on_two_surfaces(double a, double b) { return a > b * kEdgeRatio || b > a * 
 // Marks the pixels of row `v` that the projector, `baseline` to the right of the camera, cannot light: seen
 // from it they lie behind something nearer, whose disparity moved it further left.
 void mark_shadow(const Image<double>& z_m, int v, double focal_baseline, std::vector<uint8_t>* shadow) {
-  double leftmost = kInfinity;
+  double leftmost = kNothingSeen;
   for (int u = z_m.width() - 1; u >= 0; --u) {
     const double u_projector = u - focal_baseline / z_m(u, v);
     (*shadow)[static_cast<size_t>(u)] = u_projector > leftmost + 1;
@@ -102,7 +102,7 @@ Image<uint16_t> flawed_depth(const View& view, const Scene& scene, double unit_m
       const bool edge = on_two_surfaces(z_m(u, v), z_m(u_near, v_near));
       const int us = edge ? u_near : u, vs = edge ? v_near : v;
       const double z = z_m(us, vs);
-      if (shadow[static_cast<size_t>(u)] || z < flaws.nearest_m || z == kInfinity) continue;
+      if (shadow[static_cast<size_t>(u)] || z < flaws.nearest_m || z == kNothingSeen) continue;
 
       // Half of the mixed pixels at an edge are lost; flat surfaces and the far end fade out by chance.
       const bool lost = (edge && block.hole < 0.5) ||

@@ -18,7 +18,7 @@
 namespace kt {
 namespace {
 
-std::string reason(int error_number) { return std::generic_category().message(error_number); }
+std::string reason_of(int error_number) { return std::generic_category().message(error_number); }
 
 bool is_full(int error_number) {
   return error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
@@ -68,7 +68,7 @@ EventLogWriter::EventLogWriter(std::filesystem::path path, bool overwrite) : pat
     file_ = ::open(path_.c_str(), kFlags, 0666);
   }
   if (file_ < 0) {
-    const std::string problem = "cannot create the log " + path_.string() + ": " + reason(errno);
+    const std::string problem = "cannot create the log " + path_.string() + ": " + reason_of(errno);
     if (is_full(errno)) throw DiskFullError(problem);
     throw Error(problem + "; its folder must exist and be writable");
   }
@@ -115,7 +115,7 @@ void EventLogWriter::fail(int error_number) {
   // Cut off a half-written event, and go on where it began; where that cannot be done (a device) readers skip
   // it.
   const bool is_cut = ::ftruncate(file_, byte_count_) == 0 && ::lseek(file_, byte_count_, SEEK_SET) >= 0;
-  const std::string problem = "cannot write to the log " + path_.string() + ": " + reason(error_number) +
+  const std::string problem = "cannot write to the log " + path_.string() + ": " + reason_of(error_number) +
                               "; the " + std::to_string(event_count_) +
                               " events written before are intact. Free space or name a file on another disk";
   if (is_full(error_number) && (is_cut || errno == EINVAL)) throw DiskFullError(problem);
@@ -145,7 +145,7 @@ void EventLogWriter::close() {
   const int file = std::exchange(file_, -1);
   if (::close(file) != 0 && errno != EINTR && error == 0) error = errno;
   if (error != 0) {
-    throw Error("cannot finish the log " + path_.string() + ": " + reason(error) +
+    throw Error("cannot finish the log " + path_.string() + ": " + reason_of(error) +
                 "; its last events may be lost");
   }
 }

@@ -9,21 +9,18 @@
 #include "offboard/app/make_map.h"
 #include "onboard/publish/log_sink.h"
 #include "shared/io/ply.h"
+#include "tests/offboard/app/made_information.h"
 #include "tests/shared/wire/sample_messages.h"
 
 namespace kt {
 namespace {
 
+using test::information_of;
+
 using testing::HasSubstr;
 
 constexpr int kPoses = 21;
 constexpr double kStep_m = 0.5;
-
-Matrix6d information_of(double sigma_rad, double sigma_m) {
-  Vector6d sigmas;
-  sigmas << Eigen::Vector3d::Constant(sigma_rad), Eigen::Vector3d::Constant(sigma_m);
-  return sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
-}
 
 /// Ten metres straight on by an odometry that hardly knows its steps; a closure says that its ends are
 /// `apart_m` apart.

@@ -6,20 +6,17 @@
 #include "offboard/map/double_layers.h"
 #include "onboard/publish/log_sink.h"
 #include "shared/io/ply.h"
+#include "tests/offboard/app/made_information.h"
 #include "tests/onboard/fusion/corridor.h"
 #include "tests/shared/wire/sample_messages.h"
 
 namespace kt {
 namespace {
 
+using test::information_of;
+
 constexpr int kSteps = 65;  // of one way
 const Eigen::Vector3d kDrift_m(0.03, 0.03, 0.03);
-
-Matrix6d information_of(double sigma_rad, double sigma_m) {
-  Vector6d sigmas;
-  sigmas << Eigen::Vector3d::Constant(sigma_rad), Eigen::Vector3d::Constant(sigma_m);
-  return sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
-}
 
 std::vector<Pose> there_and_back() {
   std::vector<Pose> poses;

@@ -57,8 +57,6 @@ inline Trajectory trajectory_of(const std::vector<Pose>& poses) {
 inline Vec3f to_vec3f(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
-inline Eigen::Vector3d to_eigen(Vec3f v) { return Eigen::Vector3f(v.x, v.y, v.z).cast<double>(); }
-
 inline SliceVertex vertex_at(const Eigen::Vector3d& p_odom, int64_t pose_sequence) {
   SliceVertex vertex;
   vertex.p_odom = to_vec3f(p_odom);

@@ -65,4 +65,10 @@ inline SliceWeights weights_of(const std::vector<CloudSlice>& slices) {
   return weights;
 }
 
+/// Numbered, each of another sequence.
+inline std::vector<CloudSlice> in_sequence(std::vector<CloudSlice> slices) {
+  for (size_t i = 0; i < slices.size(); ++i) slices[i].sequence = static_cast<int64_t>(i);
+  return slices;
+}
+
 }  // namespace kt::test

@@ -52,12 +52,6 @@ std::vector<int64_t> standing(const StandingTriangles& stands) {
   return counts;
 }
 
-// Numbered, each of another sequence.
-std::vector<CloudSlice> in_sequence(std::vector<CloudSlice> slices) {
-  for (size_t i = 0; i < slices.size(); ++i) slices[i].sequence = static_cast<int64_t>(i);
-  return slices;
-}
-
 std::vector<int64_t> chosen(const std::vector<CloudSlice>& slices) {
   return standing(one_slice_per_cell(slices, weights_of(slices)));
 }

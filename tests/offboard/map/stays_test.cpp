@@ -66,11 +66,6 @@ CloudSlice moved(CloudSlice slice, Vec3f by_m) {
   return slice;
 }
 
-std::vector<CloudSlice> in_sequence(std::vector<CloudSlice> slices) {
-  for (size_t i = 0; i < slices.size(); ++i) slices[i].sequence = static_cast<int64_t>(i);
-  return slices;
-}
-
 // A floor whose copies lie `voxels` above where those of others do.
 CloudSlice raised_floor(int x0, int x1, float voxels) {
   return moved(made_floor(x0, x1, 1), {0, 0, 0.01f * voxels});

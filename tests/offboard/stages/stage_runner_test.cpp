@@ -6,16 +6,13 @@
 
 #include "shared/core/check.h"
 #include "shared/io/file.h"
+#include "tests/offboard/stages/made_key.h"
 #include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
 
-Digest key_of(int number) {
-  Digest digest;
-  digest.add(number);
-  return digest;
-}
+using test::key_of;
 
 struct Outcome {
   std::vector<double> result;

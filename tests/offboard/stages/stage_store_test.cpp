@@ -6,18 +6,15 @@
 
 #include "shared/core/check.h"
 #include "shared/io/file.h"
+#include "tests/offboard/stages/made_key.h"
 #include "tests/support/test_files.h"
 
 namespace kt {
 namespace {
 
-using State = StageStore::State;
+using test::key_of;
 
-Digest key_of(int number) {
-  Digest digest;
-  digest.add(number);
-  return digest;
-}
+using State = StageStore::State;
 
 void keep(StageStore& store, const std::string& content, int key = 1) {
   store.clear("loops");

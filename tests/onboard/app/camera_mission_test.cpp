@@ -13,6 +13,7 @@
 #include "onboard/source/v4l2_camera.h"
 #include "shared/io/image_file.h"
 #include "tests/onboard/app/recording_sink.h"
+#include "tests/onboard/app/small_mission.h"
 #include "tests/onboard/source/recorded_oni.h"
 #include "tests/onboard/source/simulated_openni2.h"
 #include "tests/onboard/source/simulated_v4l2.h"
@@ -24,16 +25,6 @@ namespace {
 using std::chrono::milliseconds;
 using testing::Each;
 using testing::HasSubstr;
-
-MissionOptions small_mission(const std::atomic<bool>* stop = nullptr) {
-  MissionOptions options;
-  options.device = exec::Device::cpu(1);
-  options.config.volume.resolution = 128;
-  options.config.volume.voxel_size_m = 0.04;
-  options.config.volume.min_slice_weight = 0.2;
-  options.stop = stop;
-  return options;
-}
 
 std::vector<RgbdFrame> room_frames(int count) {
   std::vector<RgbdFrame> frames;

@@ -7,6 +7,7 @@
 #include "onboard/publish/log_sink.h"
 #include "onboard/source/checked_source.h"
 #include "tests/onboard/app/recording_sink.h"
+#include "tests/onboard/app/small_mission.h"
 #include "tests/support/test_files.h"
 
 namespace kt::test {
@@ -14,16 +15,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-MissionOptions small_mission() {
-  MissionOptions options;
-  options.device = exec::Device::cpu(1);
-  options.config.volume.resolution = 128;
-  options.config.volume.voxel_size_m = 0.04;
-  options.config.volume.min_slice_weight = 0.2;
-  options.record_raw = true;
-  return options;
-}
 
 /// A slow pan; the stamps are those of the frames' numbers, at 30 Hz.
 std::vector<SourceItem> frames(const std::vector<int64_t>& stamp_numbers) {
@@ -53,7 +44,7 @@ TEST(EnduredMission, OfALowDiskIsToldInItsStatusAtOnce) {
   ListSource source(frames({1, 2, 3, 4, 5, 6, 7, 8}));
   LowDiskSink sink;
   std::vector<StorageLevel> told;
-  MissionOptions options = small_mission();
+  MissionOptions options = recorded_small_mission();
   options.on_progress = [&](const MissionStatus& status, int64_t) { told.push_back(status.storage); };
   const MissionSummary summary = run_mission(source, sink, options);
   std::vector<std::pair<int64_t, StorageLevel>> changes;
@@ -71,7 +62,7 @@ TEST(EnduredMission, OfALowDiskIsToldInItsStatusAtOnce) {
 TEST(EnduredMission, AFullDiskStopsNoMission) {
   ListSource source(frames({1, 2, 3, 4}));
   LogSink sink("/dev/full");
-  const MissionSummary summary = run_mission(source, sink, small_mission());
+  const MissionSummary summary = run_mission(source, sink, recorded_small_mission());
   EXPECT_EQ(summary.status.frames, 4);
   EXPECT_EQ(summary.storage.poses, 4);
   EXPECT_EQ(summary.storage.raw_frames, 4);
@@ -83,7 +74,7 @@ const std::vector<int64_t> kSetBack = {200000, 200001, 200002, 200003, 92000, 92
 TEST(EnduredMission, OfAClockThatIsSetBackGoesOnInANewSegment) {
   CheckedSource source(std::make_unique<ListSource>(frames(kSetBack)));
   RecordingSink sink;
-  const MissionSummary summary = run_mission(source, sink, small_mission());
+  const MissionSummary summary = run_mission(source, sink, recorded_small_mission());
   EXPECT_EQ(summary.status.frames, 8);
   EXPECT_EQ(summary.status.frames_skipped, 0);
   EXPECT_EQ(summary.status.segments, 2);
@@ -104,11 +95,11 @@ TEST(EnduredMission, OfAClockThatIsSetBackIsTheSameFromItsLog) {
   {
     CheckedSource source(std::make_unique<ListSource>(frames(kSetBack)));
     LogSink sink(dir / "first.lcm", lossless);
-    run_mission(source, sink, small_mission());
+    run_mission(source, sink, recorded_small_mission());
   }
   const auto source = open_source("lcm-log:" + (dir / "first.lcm").string());
   LogSink sink(dir / "second.lcm", lossless);
-  run_mission(*source, sink, small_mission());
+  run_mission(*source, sink, recorded_small_mission());
   EXPECT_EQ(read_bytes(dir / "first.lcm"), read_bytes(dir / "second.lcm"));
 }
 
@@ -120,7 +111,7 @@ TEST(EnduredMission, OfACoveredLensGoesOnWhereItWas) {
   }
   CheckedSource source(std::make_unique<ListSource>(items));
   RecordingSink sink;
-  const MissionSummary summary = run_mission(source, sink, small_mission());
+  const MissionSummary summary = run_mission(source, sink, recorded_small_mission());
   ASSERT_EQ(sink.poses.size(), 9u);
   for (size_t i = 0; i < 9; ++i)
     EXPECT_EQ(sink.poses[i].status == TrackingStatus::kGood, i < 3 || i >= 6) << i;

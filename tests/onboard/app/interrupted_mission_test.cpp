@@ -7,6 +7,7 @@
 #include "onboard/app/mission.h"
 #include "onboard/publish/log_sink.h"
 #include "tests/onboard/app/recording_sink.h"
+#include "tests/onboard/app/small_mission.h"
 #include "tests/support/test_files.h"
 
 namespace kt::test {
@@ -14,16 +15,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-MissionOptions small_mission() {
-  MissionOptions options;
-  options.device = exec::Device::cpu(1);
-  options.config.volume.resolution = 128;
-  options.config.volume.voxel_size_m = 0.04;
-  options.config.volume.min_slice_weight = 0.2;
-  options.record_raw = true;
-  return options;
-}
 
 SourceItem interruption(const std::string& reason) {
   return {.kind = SourceItem::Kind::kInterrupted, .reason = reason};
@@ -48,7 +39,7 @@ TEST(InterruptedMission, GoesOnInANewSegmentAndSaysWhatHappened) {
   ListSource source(interrupted_items());
   RecordingSink sink;
   int told = 0;
-  MissionOptions options = small_mission();
+  MissionOptions options = recorded_small_mission();
   options.on_progress = [&](const MissionStatus& status, int64_t) {
     told += status.cause == TrackingCause::kNoFrames;
   };
@@ -85,11 +76,11 @@ TEST(InterruptedMission, IsTheSameFromItsLog) {
   {
     ListSource source(interrupted_items());
     LogSink sink(first, lossless);
-    run_mission(source, sink, small_mission());
+    run_mission(source, sink, recorded_small_mission());
   }
   const auto source = open_source("lcm-log:" + first.string());
   LogSink sink(second, lossless);
-  const MissionSummary summary = run_mission(*source, sink, small_mission());
+  const MissionSummary summary = run_mission(*source, sink, recorded_small_mission());
   EXPECT_EQ(summary.status.segments, 2);
   EXPECT_EQ(summary.camera_losses, 1);
   EXPECT_EQ(read_bytes(first), read_bytes(second));
@@ -102,7 +93,7 @@ TEST(InterruptedMission, CanBeStoppedWhileTheCameraIsGone) {
   items.insert(items.end(), 1000, interruption("not plugged in"));
   ListSource source(items);
   RecordingSink sink;
-  MissionOptions options = small_mission();
+  MissionOptions options = recorded_small_mission();
   options.stop = &stop;
   int told = 0;  // of the absence
   options.on_progress = [&](const MissionStatus& status, int64_t) {
@@ -118,7 +109,7 @@ TEST(InterruptedMission, CanBeStoppedWhileTheCameraIsGone) {
 TEST(InterruptedMission, ThatNeverSawAFrameSaysWhy) {
   ListSource source({interruption("unplugged")});
   RecordingSink sink;
-  EXPECT_THAT(error_of([&] { run_mission(source, sink, small_mission()); }), HasSubstr("unplugged"));
+  EXPECT_THAT(error_of([&] { run_mission(source, sink, recorded_small_mission()); }), HasSubstr("unplugged"));
 }
 
 }  // namespace

@@ -9,22 +9,13 @@
 #include "onboard/publish/log_sink.h"
 #include "shared/wire/event_log.h"
 #include "tests/onboard/app/recording_sink.h"
+#include "tests/onboard/app/small_mission.h"
 #include "tests/support/test_files.h"
 
 namespace kt::test {
 namespace {
 
 constexpr int64_t kFrames = 120;
-
-MissionOptions small_mission() {
-  MissionOptions options;
-  options.device = exec::Device::cpu(1);
-  options.config.volume.resolution = 128;
-  options.config.volume.voxel_size_m = 0.04;
-  options.config.volume.min_slice_weight = 0.2;
-  options.record_raw = true;
-  return options;
-}
 
 // All there at once: most of them are too many. The camera hardly moves, so that it is found after a gap.
 ListSource flood() {
@@ -55,7 +46,7 @@ TEST(LateMission, DropsTheOldestDoesLessAndIsRepeatedByItsLog) {
   const ScratchDir folder;
   ListSource source = flood();
   source.make_live();
-  const MissionSummary live = log_mission(source, folder / "live.lcm", small_mission());
+  const MissionSummary live = log_mission(source, folder / "live.lcm", recorded_small_mission());
   EXPECT_GT(live.frames_dropped, 0);
   EXPECT_EQ(live.status.frames + live.frames_dropped, kFrames);
   EXPECT_EQ(live.status.frames_skipped, live.frames_dropped);
@@ -65,7 +56,7 @@ TEST(LateMission, DropsTheOldestDoesLessAndIsRepeatedByItsLog) {
 
   const auto replay = [&](const char* from, const char* to) {
     const auto recorded = open_source("lcm-log:" + (folder / from).string());
-    return log_mission(*recorded, folder / to, small_mission());
+    return log_mission(*recorded, folder / to, recorded_small_mission());
   };
   const MissionSummary again = replay("live.lcm", "again.lcm");
   EXPECT_EQ(again.frames_dropped, 0);
@@ -88,7 +79,7 @@ TEST(LateMission, DoesAllTheWorkWhereAskedTo) {
   ListSource source = flood();
   source.make_live();
   RecordingSink sink;
-  MissionOptions options = small_mission();
+  MissionOptions options = recorded_small_mission();
   options.degrade_when_late = false;
   const MissionSummary summary = run_mission(source, sink, options);
   EXPECT_GT(summary.frames_dropped, 0);
@@ -100,7 +91,7 @@ TEST(LateMission, ReportsItsLoad) {
   ListSource source = flood();
   source.make_live();
   RecordingSink sink;
-  MissionOptions options = small_mission();
+  MissionOptions options = recorded_small_mission();
   options.degrade_when_late = false;
   const MissionSummary summary = run_mission(source, sink, options);
   ASSERT_EQ(sink.loads.size(), static_cast<size_t>(summary.status.frames / 30));
@@ -120,7 +111,7 @@ TEST(LateMission, ReportsItsLoad) {
 TEST(LateMission, ARecordedOneIsNeverLate) {
   ListSource source = flood();
   RecordingSink sink;
-  const MissionSummary summary = run_mission(source, sink, small_mission());
+  const MissionSummary summary = run_mission(source, sink, recorded_small_mission());
   EXPECT_EQ(summary.status.frames, kFrames);
   EXPECT_EQ(summary.frames_by_effort[0], kFrames);
   EXPECT_TRUE(sink.loads.empty());

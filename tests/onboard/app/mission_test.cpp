@@ -10,6 +10,7 @@
 
 #include "onboard/app/config_fields.h"
 #include "tests/onboard/app/recording_sink.h"
+#include "tests/onboard/app/small_mission.h"
 #include "tests/support/test_files.h"
 
 namespace kt::test {
@@ -17,15 +18,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-MissionOptions small_mission() {
-  MissionOptions options;
-  options.device = exec::Device::cpu(1);
-  options.config.volume.resolution = 128;
-  options.config.volume.voxel_size_m = 0.04;
-  options.config.volume.min_slice_weight = 0.2;
-  return options;
-}
 
 std::vector<SourceItem> room_items(int count) {
   std::vector<SourceItem> items;

@@ -17,7 +17,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 using Verdict = Finding::Verdict;
 
-std::vector<SourceItem> room_items(int count) {
+std::vector<SourceItem> sliding_items(int count) {
   std::vector<SourceItem> items;
   for (int i = 0; i < count; ++i)
     items.push_back(frame_item(render(furnished_room(), small_calibration(),
@@ -30,7 +30,7 @@ SourceItem item_of(SourceItem::Kind kind, const std::string& reason) {
 }
 
 TEST(CheckSource, TellsSizeRateAndDepth) {
-  ListSource source(room_items(30));
+  ListSource source(sliding_items(30));
   InputSample sample;
   const Finding finding = check_source(source, sample);
   EXPECT_EQ(finding.verdict, Verdict::kFine) << finding.text;
@@ -43,7 +43,7 @@ TEST(CheckSource, TellsSizeRateAndDepth) {
 }
 
 TEST(CheckSource, CountsValidDepthOnly) {
-  std::vector<SourceItem> items = room_items(30);
+  std::vector<SourceItem> items = sliding_items(30);
   for (SourceItem& item : items) {
     auto pixels = item.frame.depth.pixels();
     std::fill(pixels.begin(), pixels.end(), uint16_t{0});
@@ -68,7 +68,7 @@ TEST(CheckSource, SaysWhyNoFrameCame) {
 }
 
 TEST(CheckSource, ACameraThatEndsEarlyIsDoubtful) {
-  std::vector<SourceItem> items = room_items(5);
+  std::vector<SourceItem> items = sliding_items(5);
   items.push_back(item_of(SourceItem::Kind::kInterrupted, "unplugged"));
   ListSource source(items);
   InputSample sample;
@@ -97,7 +97,7 @@ TEST(CheckDisk, NamesAFolderThatCannotBeWritten) {
 }
 
 TEST(LogBytes, RawFramesCountByTheirCompressedSize) {
-  ListSource source(room_items(30));
+  ListSource source(sliding_items(30));
   InputSample sample;
   check_source(source, sample);
   CollectOptions options;
@@ -115,7 +115,7 @@ TEST(CheckBus, HearsItself) {
 }
 
 TEST(CheckPipeline, RunsTheSample) {
-  ListSource source(room_items(4));
+  ListSource source(sliding_items(4));
   InputSample sample;
   check_source(source, sample);
   CollectSettings settings;

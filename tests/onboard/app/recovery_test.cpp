@@ -452,7 +452,7 @@ TEST(Recovery, ANewSegmentMayBeginAtABareWall) {
 }
 
 // Walls at grazing angles are modelled badly, which pulls along the corridor.
-CollectorConfig corridor_config() {
+CollectorConfig short_sighted_config() {
   CollectorConfig config = recovery_config();
   config.preprocess.depth_max_m = 3;
   return config;
@@ -465,7 +465,7 @@ double time_s(int64_t stamp) { return static_cast<double>(stamp - stamp_us(0)) *
 
 TEST(Recovery, ABareCorridorIsNotFusedForLong) {
   const Place bare = corridor(0);
-  Mission mission(kFine, corridor_config());
+  Mission mission(kFine, short_sighted_config());
   mission.tolerance_deg = 3;
   // What it walks in max_unconstrained_s, and slips before while noise now and then seems to hold it.
   mission.tolerance_m = 0.3;
@@ -492,7 +492,7 @@ TEST(Recovery, ABareCorridorIsNotFusedForLong) {
 
 TEST(Recovery, TextureHoldsACorridor) {
   const Place textured = corridor(1);
-  Mission mission(kFine, corridor_config());
+  Mission mission(kFine, short_sighted_config());
   mission.tolerance_m = 0.03;
   for (int tick = 0; tick < 60; tick += 2)
     EXPECT_EQ(mission.see(textured, walked(time_s(stamp_us(tick))), tick).status, TrackingStatus::kGood)
@@ -531,7 +531,7 @@ class Wheels {
 
 TEST(Recovery, WheelsCarryThroughABareCorridor) {
   const Place bare = corridor(0);
-  Mission mission(kFine, corridor_config());
+  Mission mission(kFine, short_sighted_config());
   Wheels wheels(walked);
   for (int tick = 0; tick < 180; tick += 3) {
     wheels.roll(tick, &mission.collector);

@@ -17,6 +17,7 @@
 
 #include "onboard/app/mission.h"
 #include "tests/onboard/app/recording_sink.h"
+#include "tests/onboard/app/small_mission.h"
 #include "tests/support/test_files.h"
 
 namespace kt::test {
@@ -110,21 +111,13 @@ TEST(ServiceNotifier, WithoutAManagerItIsSilent) {
   ::unsetenv("NOTIFY_SOCKET");
 }
 
-RgbdFrame room_frame(int i) {
+RgbdFrame sliding_frame(int i) {
   return render(furnished_room(), small_calibration(), pose_of({0, 0, 0}, {0.01 * i, 0, 0}), {.sequence = i});
-}
-
-MissionOptions small_mission() {
-  MissionOptions options;
-  options.device = exec::Device::cpu(1);
-  options.config.volume.resolution = 128;
-  options.config.volume.voxel_size_m = 0.04;
-  return options;
 }
 
 // Without frames as with them: a missing camera is no reason to restart.
 TEST(MissionLife, GoesOnWhileTheCameraIsGone) {
-  std::vector<SourceItem> items = {frame_item(room_frame(0))};
+  std::vector<SourceItem> items = {frame_item(sliding_frame(0))};
   for (int i = 0; i < 20; ++i)
     items.push_back(
         {.kind = i % 2 ? SourceItem::Kind::kInterrupted : SourceItem::Kind::kNothingYet, .reason = "gone"});
@@ -167,7 +160,8 @@ struct HungSink final : MessageSink {
 };
 
 TEST(MissionLife, EndsWhereThePipelineHangs) {
-  ListSource source({frame_item(room_frame(0)), frame_item(room_frame(1)), frame_item(room_frame(2))});
+  ListSource source(
+      {frame_item(sliding_frame(0)), frame_item(sliding_frame(1)), frame_item(sliding_frame(2))});
   HungSink sink;
   MissionOptions options = small_mission();
   std::atomic<int> alive = 0;

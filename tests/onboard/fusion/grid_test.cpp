@@ -9,16 +9,16 @@
 namespace kt {
 namespace {
 
-constexpr int kBricks = 8;
+constexpr int kBricksPerSide = 8;
 
 int modulo(int a, int n) { return (a % n + n) % n; }
 
 VolumeView view_at(Vec3i origin_brick) {
   VolumeView view;
-  view.bricks = kBricks;
+  view.bricks = kBricksPerSide;
   view.origin_brick = origin_brick;
-  view.ring_origin = {modulo(origin_brick.x, kBricks), modulo(origin_brick.y, kBricks),
-                      modulo(origin_brick.z, kBricks)};
+  view.ring_origin = {modulo(origin_brick.x, kBricksPerSide), modulo(origin_brick.y, kBricksPerSide),
+                      modulo(origin_brick.z, kBricksPerSide)};
   return view;
 }
 
@@ -36,11 +36,12 @@ std::vector<Vec3i> origins() {
 TEST(VolumeView, SlotAndBrickInvertEachOther) {
   for (const Vec3i origin : origins()) {
     const VolumeView view = view_at(origin);
-    for (int64_t slot = 0; slot < kBricks * kBricks * kBricks; ++slot)
+    for (int64_t slot = 0; slot < kBricksPerSide * kBricksPerSide * kBricksPerSide; ++slot)
       ASSERT_EQ(view.slot(view.brick(slot)), slot);
-    for (int z = 0; z < kBricks; ++z) {
-      for (int y = 0; y < kBricks; ++y) {
-        for (int x = 0; x < kBricks; ++x) ASSERT_EQ(view.brick(view.slot({x, y, z})), (Vec3i{x, y, z}));
+    for (int z = 0; z < kBricksPerSide; ++z) {
+      for (int y = 0; y < kBricksPerSide; ++y) {
+        for (int x = 0; x < kBricksPerSide; ++x)
+          ASSERT_EQ(view.brick(view.slot({x, y, z})), (Vec3i{x, y, z}));
       }
     }
   }

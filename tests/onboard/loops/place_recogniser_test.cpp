@@ -23,7 +23,7 @@ namespace {
 constexpr int kDue = 15;       // frames from a keyframe to its result
 constexpr int kFullTurn = 18;  // frames
 constexpr int kFrames = 21;
-const Calibration kCalibration = small_calibration(2);
+const Calibration kSmallCalibration = small_calibration(2);
 
 Pose T_world_camera(int frame) {
   const double angle_deg = 20.0 * frame, angle = angle_deg * std::numbers::pi / 180;
@@ -40,7 +40,8 @@ const std::vector<RgbdFrame>& frames() {
   static const std::vector<RgbdFrame> rendered = [] {
     std::vector<RgbdFrame> list;
     for (int i = 0; i < kFrames; ++i)
-      list.push_back(render(place(), kCalibration, T_world_camera(i), {.sequence = i, .blotches_m = 0.12}));
+      list.push_back(
+          render(place(), kSmallCalibration, T_world_camera(i), {.sequence = i, .blotches_m = 0.12}));
     return list;
   }();
   return rendered;
@@ -65,7 +66,7 @@ void append(AllFindings& all, AllFindings found) {
 class Recorded {
  public:
   explicit Recorded(const LoopConfig& config = {}, const exec::Device& device = exec::Device::cpu(1))
-      : preprocessor_(device, kCalibration, {}), places(kCalibration, config) {}
+      : preprocessor_(device, kSmallCalibration, {}), places(kSmallCalibration, config) {}
 
   const FrameMaps& maps(const RgbdFrame& frame) { return preprocessor_.process(frame); }
   AllFindings next(int frame) { return next(frame, pose_at(frame)); }
@@ -167,8 +168,8 @@ TEST(PlaceRecogniser, KeyframesShowWhatTheFrameShowed) {
   EXPECT_EQ(keyframe.descriptor_type, "surf64");
   EXPECT_EQ(keyframe.descriptors.size(), count * static_cast<size_t>(keyframe.descriptor_size));
   EXPECT_EQ(keyframe.timestamp_us, frames()[0].timestamp_us);
-  ASSERT_EQ(keyframe.depth.width(), kCalibration.depth.width / 4);
-  ASSERT_EQ(keyframe.depth.height(), kCalibration.depth.height / 4);
+  ASSERT_EQ(keyframe.depth.width(), kSmallCalibration.depth.width / 4);
+  ASSERT_EQ(keyframe.depth.height(), kSmallCalibration.depth.height / 4);
   int points = 0;
   for (size_t i = 0; i < count; ++i) {
     const Vec3f p = keyframe.p_camera[i];
@@ -177,7 +178,8 @@ TEST(PlaceRecogniser, KeyframesShowWhatTheFrameShowed) {
     const Eigen::Vector3d p_world =
         T_world_camera(0) * Eigen::Vector3d(Eigen::Vector3f(p.x, p.y, p.z).cast<double>());
     EXPECT_NEAR(place().distance(p_world), 0, 0.01);
-    const Eigen::Vector2d pixel = kCalibration.colour.project(Eigen::Vector3f(p.x, p.y, p.z).cast<double>());
+    const Eigen::Vector2d pixel =
+        kSmallCalibration.colour.project(Eigen::Vector3f(p.x, p.y, p.z).cast<double>());
     EXPECT_NEAR(pixel.x(), static_cast<double>(keyframe.u_px[i]), 1.5);
     EXPECT_NEAR(pixel.y(), static_cast<double>(keyframe.v_px[i]), 1.5);
   }
@@ -303,7 +305,8 @@ TEST(PlaceRecogniser, FindsWhereAViewWasSeen) {
     recorded.next(i, pose);
   }
   const Pose T_world_now = T_world_camera(2) * pose_of({1, -3, 0}, {0.04, 0.02, -0.03});
-  const RgbdFrame seen = render(place(), kCalibration, T_world_now, {.sequence = 50, .blotches_m = 0.12});
+  const RgbdFrame seen =
+      render(place(), kSmallCalibration, T_world_now, {.sequence = 50, .blotches_m = 0.12});
   const auto found = recorded.places.find(recorded.maps(seen));
   ASSERT_TRUE(found);
   EXPECT_EQ(found->segment, 3);
@@ -338,7 +341,7 @@ TEST(PlaceRecogniser, GivesTheSameBytesOnEveryDevice) {
 
 TEST(PlaceRecogniser, ErrorsOfTheThreadReachTheCaller) {
   PlaceRecogniser places(small_calibration(1), {});  // made for smaller images
-  Preprocessor preprocessor(exec::Device::cpu(1), kCalibration, {});
+  Preprocessor preprocessor(exec::Device::cpu(1), kSmallCalibration, {});
   const FrameMaps& maps = preprocessor.process(frames()[0]);
   EXPECT_ANY_THROW({
     places.next(maps, {}, pose_at(0));

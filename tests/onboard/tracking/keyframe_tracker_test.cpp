@@ -14,7 +14,7 @@ namespace kt::test {
 namespace {
 
 // A camera in a room of blotches, seen from where its keyframes stand.
-struct Rig {
+struct KeyframeRig {
   Calibration calibration = small_calibration(2);
   exec::Device device = exec::Device::cpu(1);
   TrackingConfig config;
@@ -36,7 +36,7 @@ Pose facing(double yaw_deg) { return pose_of({0, yaw_deg, 0}, {0.1, -0.1, 0.1});
 const Pose kMotion = pose_of({2, -6, 3}, {0.08, -0.04, 0.06});
 
 TEST(KeyframeTracker, FindsAFrameNearAKeyframe) {
-  Rig rig;
+  KeyframeRig rig;
   rig.remember_from(facing(0), 5);
   rig.remember_from(facing(60), 9);
   for (const double yaw : {0.0, 60.0}) {
@@ -52,7 +52,7 @@ TEST(KeyframeTracker, FindsAFrameNearAKeyframe) {
 }
 
 TEST(KeyframeTracker, FindsNothingNearWhereNoKeyframeIs) {
-  Rig rig;
+  KeyframeRig rig;
   rig.look_from(facing(0));
   EXPECT_FALSE(rig.keyframes.find_near(0, facing(0)));
   EXPECT_FALSE(rig.keyframes.nearest(0, facing(0)));
@@ -64,7 +64,7 @@ TEST(KeyframeTracker, FindsNothingNearWhereNoKeyframeIs) {
 }
 
 TEST(KeyframeTracker, TheNearestKeyframeIsOfTheSegmentAsked) {
-  Rig rig;
+  KeyframeRig rig;
   for (int k = 0; k < 6; ++k) rig.remember_from(facing(60.0 * k), k, k % 2);
   for (int k = 0; k < 6; ++k) {
     const auto nearest = rig.keyframes.nearest(k % 2, facing(60.0 * k) * kMotion);
@@ -75,7 +75,7 @@ TEST(KeyframeTracker, TheNearestKeyframeIsOfTheSegmentAsked) {
 }
 
 TEST(KeyframeTracker, DoesNotFindAForeignPlace) {
-  Rig rig;
+  KeyframeRig rig;
   for (int k = 0; k < 4; ++k) rig.remember_from(facing(90.0 * k), k);
   // Of the same texture, but other blotches.
   const Eigen::Vector3d far(40, 0, 0);
@@ -90,7 +90,7 @@ TEST(KeyframeTracker, DoesNotFindAForeignPlace) {
 }
 
 TEST(KeyframeTracker, RemembersOnlyWhereNoneIsNear) {
-  Rig rig;
+  KeyframeRig rig;
   const auto nearest_sequence = [&](const Pose& T, int segment) {
     return rig.keyframes.keyframe(rig.keyframes.find_near(segment, T)->keyframe).sequence;
   };
@@ -116,7 +116,7 @@ struct AllocationCount : exec::LaunchObserver {
 
 TEST(KeyframeTracker, TakesNoMemoryOfTheDeviceAfterItsStart) {
   const auto allocations = std::make_shared<AllocationCount>();
-  Rig rig{.device = exec::Device::cpu(1).observed_by(allocations), .config = {.max_keyframes = 3}};
+  KeyframeRig rig{.device = exec::Device::cpu(1).observed_by(allocations), .config = {.max_keyframes = 3}};
   const int at_start = allocations->count;
   EXPECT_GT(at_start, 0);
   for (int view = 0; view < 12; ++view) rig.remember_from(facing(25 * view), view);

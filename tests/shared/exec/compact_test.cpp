@@ -14,7 +14,7 @@
 namespace kt::exec {
 namespace {
 
-constexpr int64_t kSizes[] = {0, 1, 7, 8, 9, 255, 256, 257, 65'537};
+constexpr int64_t kCounts[] = {0, 1, 7, 8, 9, 255, 256, 257, 65'537};
 
 template <typename T>
 Buffer<T> on_device(const Device& device, const std::vector<T>& values) {
@@ -25,7 +25,7 @@ Buffer<T> on_device(const Device& device, const std::vector<T>& values) {
 
 TEST(CompactFlags, ListsTheSetOnesInOrder) {
   for (const Device& device : test::parity_devices()) {
-    for (const int64_t count : kSizes) {
+    for (const int64_t count : kCounts) {
       for (const double share : {0.0, 0.01, 0.5, 1.0}) {
         std::vector<uint8_t> flags(static_cast<size_t>(count));
         std::vector<int32_t> expected;
@@ -44,7 +44,7 @@ TEST(CompactFlags, ListsTheSetOnesInOrder) {
 
 TEST(ExclusiveScan, EqualsTheStandardOne) {
   for (const Device& device : test::parity_devices()) {
-    for (const int64_t count : kSizes) {
+    for (const int64_t count : kCounts) {
       std::vector<int32_t> counts(static_cast<size_t>(count)), expected(counts.size());
       for (size_t i = 0; i < counts.size(); ++i) counts[i] = static_cast<int32_t>(random_bits(2, 0, i) % 25);
       std::exclusive_scan(counts.begin(), counts.end(), expected.begin(), 0);

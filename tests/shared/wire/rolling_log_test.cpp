@@ -27,14 +27,14 @@ size_t write_log(const fs::path& path, const RollingLogWriter::Options& options,
   return log_parts(path).paths.size();
 }
 
-struct Reading {
+struct RolledReading {
   int sessions = 0;
   std::vector<int64_t> poses;
   LogIntegrity integrity;
 };
 
-Reading read(const fs::path& path) {
-  Reading reading;
+RolledReading read(const fs::path& path) {
+  RolledReading reading;
   MessageReader reader(path);
   while (const auto message = reader.next()) {
     reading.sessions += std::holds_alternative<SessionHeader>(*message);
@@ -77,7 +77,7 @@ TEST_F(RollingLog, IsReadAsOne) {
     EXPECT_EQ(event->channel, channel_of<SessionHeader>());
     EXPECT_EQ(stamp_of(event->data).sequence, static_cast<int64_t>(i));
   }
-  const Reading whole = read(log);
+  const RolledReading whole = read(log);
   EXPECT_EQ(whole.sessions, 1);
   EXPECT_EQ(whole.poses, counted(0, kPoses));
   EXPECT_TRUE(whole.integrity.is_sound());
@@ -102,7 +102,7 @@ TEST_F(RollingLog, ALargeEventGetsAFileOfItsOwn) {
 
 TEST_F(RollingLog, ALaterPartFindsThoseBehindIt) {
   const size_t files = write_log(log, {.max_file_bytes = kFileBytes});
-  const Reading rest = read(part(2));
+  const RolledReading rest = read(part(2));
   EXPECT_EQ(rest.sessions, 1);
   ASSERT_FALSE(rest.poses.empty());
   EXPECT_EQ(rest.poses, counted(rest.poses.front(), kPoses));
@@ -117,7 +117,7 @@ TEST_F(RollingLog, ALaterPartFindsThoseBehindIt) {
 TEST_F(RollingLog, AMissingPartIsCountedAndTheRestIsRead) {
   write_log(log, {.max_file_bytes = kFileBytes});
   fs::remove(part(2));
-  const Reading rest = read(log);
+  const RolledReading rest = read(log);
   EXPECT_EQ(rest.integrity.missing_parts, 1);
   EXPECT_FALSE(rest.integrity.is_sound());
   EXPECT_EQ(rest.integrity.missing_messages, kPoses - static_cast<int64_t>(rest.poses.size()) + 1);
@@ -130,7 +130,7 @@ TEST_F(RollingLog, APartThatIsCutOffOrDamagedCostsNoMore) {
   std::vector<uint8_t> bytes = read_bytes(part(2));
   bytes[100] ^= 1;  // in its session
   write_bytes(part(2), bytes);
-  const Reading rest = read(log);
+  const RolledReading rest = read(log);
   EXPECT_EQ(rest.poses.size(), static_cast<size_t>(kPoses - 1));
   EXPECT_EQ(rest.integrity.missing_parts, 0);
   EXPECT_EQ(rest.integrity.damaged_events, 2);
@@ -141,7 +141,7 @@ TEST_F(RollingLog, OfADamagedSessionHasThatOfALaterPart) {
   std::vector<uint8_t> bytes = read_bytes(log);
   bytes[100] ^= 1;
   write_bytes(log, bytes);
-  const Reading rest = read(log);
+  const RolledReading rest = read(log);
   EXPECT_EQ(rest.sessions, 1);
   EXPECT_EQ(rest.poses, counted(0, kPoses));
 }

@@ -33,7 +33,7 @@ struct Mission {
   }
 };
 
-Vector6d normals(uint64_t stream, int k) {
+Vector6d drawn_normals(uint64_t stream, int k) {
   Vector6d z;
   for (int i = 0; i < 6; ++i) z[i] = random_normal(5, stream, static_cast<uint64_t>(6 * k + i));
   return z;
@@ -49,13 +49,14 @@ Mission mission(int poses) {
   for (int k = 0; k < poses; ++k) {
     StampedPose truth{.sequence = k, .timestamp_us = 100'000 * k}, pose = truth;
     if (k > 0) {
-      truth.T_odom_camera = orthonormalised(made.truth.back().T_odom_camera * exp_se3(0.3 * normals(1, k)));
+      truth.T_odom_camera =
+          orthonormalised(made.truth.back().T_odom_camera * exp_se3(0.3 * drawn_normals(1, k)));
     }
     made.truth.push_back(truth);
     if (k > 0) {
       pose.from_sequence = k > 1 && k % 2 == 1 ? k - 2 : k - 1;
       const Pose T =
-          exp_se3(Vector6d(sizes().cwiseProduct(normals(2, k)))) * made.T_true(pose.from_sequence, k);
+          exp_se3(Vector6d(sizes().cwiseProduct(drawn_normals(2, k)))) * made.T_true(pose.from_sequence, k);
       pose.T_odom_camera = orthonormalised(made.session.trajectory[pose.from_sequence].T_odom_camera * T);
       pose.information = honest();
     }
@@ -68,7 +69,7 @@ Mission mission(int poses) {
 TEST(EdgeConsistency, HonestEdgesHaveOne) {
   Mission made = mission(3000);
   for (int k = 0; k < 1000; ++k) {
-    made.close(k, k + 1500, sizes().cwiseProduct(normals(3, k)), honest());
+    made.close(k, k + 1500, sizes().cwiseProduct(drawn_normals(3, k)), honest());
   }
   const EdgeConsistency edges = edge_consistency(made.session, made.truth);
   ASSERT_TRUE(edges.closures && edges.odometry);

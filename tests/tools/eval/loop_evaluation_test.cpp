@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-struct Walk {
+struct LoopWalk {
   Session session;
   Trajectory truth;
 
@@ -40,9 +40,9 @@ struct Walk {
 // step d the overlap is 1 - d / 2.56 m: at least 50 % up to 1.28 m, but a revisit is within 1 m; below 20 %
 // beyond 2.05 m. So the revisits are those of 17 to 20, at 0.9 to 0 m: the others have not been away since.
 // The ground truth begins elsewhere, and has a pose between any two keyframes.
-Walk there_and_back() {
+LoopWalk there_and_back() {
   const Pose T_truth_wall = exp_se3((Vector6d() << 1, -2, 0.5, 10, 20, -30).finished());
-  Walk walk;
+  LoopWalk walk;
   walk.session.header.calibration = wall_calibration();
   for (int k = 0; k <= 40; ++k) {
     const double x = 0.15 * (k <= 20 ? k : 40 - k);
@@ -82,7 +82,7 @@ TEST(LoopEvaluation, FindsTheRevisitsOfAWalkThereAndBack) {
 
 TEST(LoopEvaluation, AnEventEndsAfterTwoKeyframesWithoutARevisit) {
   // What 18, and then 19 too, see is nearer than all that was seen before.
-  Walk walk = there_and_back();
+  LoopWalk walk = there_and_back();
   walk.keyframe(18).depth = wall_depth(0.5);
   EXPECT_EQ(walk.evaluated().events.size(), 1u);
   EXPECT_EQ(walk.evaluated().events[0].keyframes, 3);
@@ -96,7 +96,7 @@ TEST(LoopEvaluation, AnEventEndsAfterTwoKeyframesWithoutARevisit) {
 }
 
 TEST(LoopEvaluation, ARevisitIsNearInDistanceAndAngle) {
-  Walk walk = there_and_back();
+  LoopWalk walk = there_and_back();
   for (size_t k = 34; k <= 40; ++k) {
     Pose& T = walk.truth[k].T_odom_camera;
     T = T * exp_se3((Vector6d() << 0, 0, 0.71, 0, 0, 0).finished());  // 41 degrees about the line of sight
@@ -110,7 +110,7 @@ TEST(LoopEvaluation, ARevisitIsNearInDistanceAndAngle) {
 }
 
 TEST(LoopEvaluation, JudgesClosuresByTheirPose) {
-  Walk walk = there_and_back();
+  LoopWalk walk = there_and_back();
   walk.propose(0, 20);
   walk.propose(3, 17, LoopVerdict::kAccepted, error_of_pose(0.049, 2.9));
   walk.propose(1, 19, LoopVerdict::kAccepted, error_of_pose(0.051));
@@ -135,7 +135,7 @@ TEST(LoopEvaluation, JudgesClosuresByTheirPose) {
 }
 
 TEST(LoopEvaluation, ACorrectClosureOfALesserOverlapRecallsTheEvent) {
-  Walk walk = there_and_back();
+  LoopWalk walk = there_and_back();
   walk.propose(4, 20);  // 1.2 m apart
   LoopEvaluation loops = walk.evaluated();
   EXPECT_EQ(loops.revisits_by_verdict[0], 0);
@@ -150,7 +150,7 @@ TEST(LoopEvaluation, ACorrectClosureOfALesserOverlapRecallsTheEvent) {
 }
 
 TEST(LoopEvaluation, TellsWhyRevisitsWereMissed) {
-  Walk walk = there_and_back();
+  LoopWalk walk = there_and_back();
   walk.propose(0, 20, LoopVerdict::kTooFewMatches);
   walk.propose(1, 20, LoopVerdict::kLittleOverlap);
   walk.propose(9, 20, LoopVerdict::kTooFewMatches);  // rightly
@@ -164,7 +164,7 @@ TEST(LoopEvaluation, TellsWhyRevisitsWereMissed) {
 }
 
 TEST(LoopEvaluation, KeyframesWithoutTruthOrDepthTakeNoPart) {
-  Walk walk = there_and_back();
+  LoopWalk walk = there_and_back();
   walk.propose(0, 20);
   walk.propose(1, 19);
   walk.propose(2, 18);
@@ -179,7 +179,7 @@ TEST(LoopEvaluation, KeyframesWithoutTruthOrDepthTakeNoPart) {
 }
 
 TEST(LoopEvaluation, ALogWithoutKeyframesCountsNothing) {
-  Walk walk = there_and_back();
+  LoopWalk walk = there_and_back();
   walk.propose(0, 20);
   walk.session.keyframes.clear();
   const LoopEvaluation loops = walk.evaluated();
@@ -194,7 +194,7 @@ TEST(LoopEvaluation, ALogWithoutKeyframesCountsNothing) {
 }
 
 TEST(LoopEvaluation, WhatCannotBeJudgedIsNamed) {
-  Walk walk = there_and_back();
+  LoopWalk walk = there_and_back();
   const auto error = [&] { return error_of([&] { walk.evaluated(); }); };
   walk.keyframe(5).depth = Image<uint16_t>(80, 60);
   EXPECT_THAT(error(), HasSubstr("depth image of keyframe 50 is 80 x 60, a quarter of the session's depth "
@@ -207,7 +207,7 @@ TEST(LoopEvaluation, WhatCannotBeJudgedIsNamed) {
 }
 
 TEST(LoopEvaluation, IsReported) {
-  Walk walk = there_and_back();
+  LoopWalk walk = there_and_back();
   walk.propose(0, 20);
   walk.propose(1, 19, LoopVerdict::kAccepted, error_of_pose(0.2));
   walk.propose(3, 17, LoopVerdict::kUnconstrained);
