@@ -62,7 +62,7 @@ TEST(LoadSession, GathersEveryMessage) {
   expect_equal(session.loop_closures[0], sample_loop(LoopVerdict::kWeak));
   expect_equal(session.last_status, sample_status());
   EXPECT_TRUE(session.integrity.is_sound());
-  EXPECT_EQ(session.integrity.events, 10);
+  EXPECT_EQ(session.integrity.events, 11);
 }
 
 TEST(LoadSession, DamageIsCountedAndTheRestLoaded) {
@@ -74,7 +74,7 @@ TEST(LoadSession, DamageIsCountedAndTheRestLoaded) {
   const Session session = load_session(folder / "b.lcm");
   EXPECT_TRUE(session.integrity.truncated);
   EXPECT_EQ(session.slices.size(), 1u);
-  EXPECT_EQ(integrity_text(session.integrity), "8 events, truncated");
+  EXPECT_EQ(integrity_text(session.integrity), "9 events, truncated");
 }
 
 TEST(LoadSession, ALostSessionEventCostsNoMap) {
@@ -90,7 +90,7 @@ TEST(LoadSession, ALostSessionEventCostsNoMap) {
   EXPECT_EQ(session.header.calibration.name, "unknown");
   EXPECT_EQ(session.header.timestamp_us, sample_stamped_pose().timestamp_us);
   EXPECT_FALSE(session.integrity.is_sound());
-  EXPECT_EQ(integrity_text(session.integrity), "8 events, 1 damaged, no session event");
+  EXPECT_EQ(integrity_text(session.integrity), "9 events, 1 damaged, no session event");
 }
 
 TEST(LoadSession, AMissionThatWasCutShortIsNotSound) {
@@ -183,8 +183,8 @@ TEST(LoadSession, AnIndexGivesTheSameSession) {
   LogIndex index;
   const Session first = load_session(folder / "a.lcm", {}, &index);
   EXPECT_EQ(index.raw_frames, 1);
-  EXPECT_EQ(index.positions.size(), messages.size() - 4)
-      << "without slice, raw frame, motion sample and load report";
+  EXPECT_EQ(index.positions.size(), messages.size() - 5)
+      << "without slice, raw frame, motion sample, load report and body pose";
   const Session second = load_session(folder / "a.lcm", index);
   expect_equal(second.header, first.header);
   ASSERT_EQ(second.trajectory.size(), 2u);
