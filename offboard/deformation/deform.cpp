@@ -30,10 +30,6 @@ NodeMotion motion_of(const DeformationNode& node) {
   return motion;
 }
 
-Vec3f to_vec3f(const Eigen::Vector3d& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
-}
-
 void deform_vertex(const DeformationGraph& graph, const std::vector<NodeMotion>& motions,
                    SliceVertex& vertex) {
   const Eigen::Vector3d p = to_eigen(vertex.p_odom), n = to_eigen(vertex.n_odom);

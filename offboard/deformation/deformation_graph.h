@@ -7,13 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "shared/core/vec.h"
 #include "shared/geometry/se3.h"
 #include "shared/types/stamped_pose.h"
 
 namespace kt {
-
-inline Eigen::Vector3d to_eigen(Vec3f v) { return Eigen::Vector3f(v.x, v.y, v.z).cast<double>(); }
 
 /// How a map is bent into place. Letters in brackets are those of the paper.
 struct DeformationConfig {

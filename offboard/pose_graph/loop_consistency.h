@@ -26,7 +26,7 @@ std::vector<double> odometry_only(const IndexedGraph& graph);
 double cycle_squared_sigmas(const OdometryForest& odometry, const IndexedEdge& a, const IndexedEdge& b,
                             double* loop_share = nullptr);
 
-/// The factor on odometry's covariance at which the median loop within a segment lies as far from it as a
+/// The factor on odometry's covariance at which the median loop within a tree lies as far from it as a
 /// chi-square has its median: right while less than half of the loops are false. Drift that accumulates
 /// systematically counts as such a factor too.
 double measured_odometry_scale(const IndexedGraph& graph, const OdometryForest& odometry);

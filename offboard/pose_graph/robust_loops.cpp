@@ -61,14 +61,15 @@ std::vector<double> joined(const IndexedGraph& graph, const std::vector<char>& u
   }
 }
 
-/// The scale of odometry by the loops between segments too, once those are joined: long ways may have none
-/// within one. What joins them counts as exact, so that short ways over it tell nothing.
-double scale_across_joints(const IndexedGraph& graph, std::vector<double> joined_scales) {
+/// joined(), for the measurement of scales: what joins segments counts as exact, so that short ways over it
+/// tell nothing of odometry. Long ones may have no loop within one segment.
+std::vector<double> exactly_joined(const IndexedGraph& graph, const std::vector<char>& usable) {
   constexpr double kExact = 1e-6;
+  std::vector<double> scales = joined(graph, usable);
   for (size_t e = 0; e < graph.edges.size(); ++e) {
-    if (graph.edges[e].is_loop && joined_scales[e] > 0) joined_scales[e] = kExact;
+    if (graph.edges[e].is_loop && scales[e] > 0) scales[e] = kExact;
   }
-  return measured_odometry_scale(graph, OdometryForest(graph, joined_scales));
+  return scales;
 }
 
 /// Rejects the loops between trees of `forest`.
@@ -205,21 +206,20 @@ LoopDecision decide_loops(const IndexedGraph& given) {
     decision.weight[e] = 0;
     decision.outcome[e] = LoopOutcome::kUninformative;
   }
-  // Each scale is read where the other covariance hardly counts, which the other's scale decides: twice
-  // around.
+  // Each scale is read where the other covariance hardly counts, which the other's scale decides: so they are
+  // measured by turns. A third time, for ways whose odometry counts once the loops are known to be good.
   IndexedGraph graph = given;
-  for (int round = 0; round < 2; ++round) {
+  for (int round = 0; round < 3; ++round) {
+    const std::vector<double> ways = exactly_joined(graph, accepted_loops(graph, decision));
     graph = scaled(given, 1, decision.loop_scale);
-    decision.odometry_scale = measured_odometry_scale(graph, OdometryForest(graph, odometry_only(graph)));
+    decision.odometry_scale = measured_odometry_scale(graph, OdometryForest(graph, ways));
     graph = scaled(given, decision.odometry_scale, 1);
+    // Of one segment: logs that share a stretch hold the same images twice, and such loops err alike.
     decision.loop_scale = measured_loop_scale(graph, OdometryForest(graph, odometry_only(graph)));
+    graph = scaled(given, decision.odometry_scale, decision.loop_scale);
   }
-  graph = scaled(graph, 1, decision.loop_scale);
 
-  const auto joints = [&] { return joined(graph, accepted_loops(graph, decision)); };
-  decision.odometry_scale = scale_across_joints(scaled(given, 1, decision.loop_scale), joints());
-  graph = scaled(given, decision.odometry_scale, decision.loop_scale);
-  const auto join = [&] { return OdometryForest(graph, joints()); };
+  const auto join = [&] { return OdometryForest(graph, joined(graph, accepted_loops(graph, decision))); };
   const OdometryForest forest = join();
   reject_unconfirmed(graph, forest, decision);
   for (size_t e = 0; e < graph.edges.size(); ++e) {

@@ -37,17 +37,15 @@ struct LoopDecision {
   int solves = 0;                    ///< least squares problems that it took
 };
 
-/// 1. The covariances of odometry and loops are scaled by what the loops say of them (loop_consistency.h);
-/// given
-///    ones may be off by a factor of ten. The scales serve the decision only.
+/// 1. The covariances of odometry and loops are scaled by what the loops say of them (loop_consistency.h),
+///    that of odometry by loops between segments too; given ones may be off by a factor of ten. The scales
+///    serve the decision only.
 /// 2. Segments, what odometry edges hold together, are joined where kLoopsToJoin loops agree pairwise with
-/// the one
-///    that most agree with; again with what has been joined, until nothing changes.
+///    the one that most agree with; again with what has been joined, until nothing changes.
 /// 3. A loop that scaled odometry all but excludes is rejected.
 /// 4. Graduated non-convexity with truncated least squares over those left, from a chordal start (Yang et al.
-/// 2020,
-///    "Graduated Non-Convexity for Robust Spatial Perception"). Neighbouring loops share one vote; odometry
-///    is never truncated.
+///    2020, "Graduated Non-Convexity for Robust Spatial Perception"). Neighbouring loops share one vote;
+///    odometry is never truncated.
 LoopDecision decide_loops(const IndexedGraph& given);
 
 }  // namespace kt

@@ -24,13 +24,12 @@ using FeatureId = std::pair<int, int>;  // keyframe, feature
 
 Observation observation_of(const Keyframe& keyframe, FeatureId id) {
   const auto i = static_cast<size_t>(id.second);
-  const Vec3f p = keyframe.p_camera[i];
   Observation seen;
   seen.keyframe = id.first;
   seen.pixel = {static_cast<double>(keyframe.u_px[i]), static_cast<double>(keyframe.v_px[i])};
-  seen.p_camera = {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
+  seen.p_camera = to_eigen(keyframe.p_camera[i]);
   seen.sigma_px = std::max(kFinestSigma_px, kSigmaOfScale * static_cast<double>(keyframe.scale_px[i]));
-  seen.sigma_z = static_cast<double>(depth_sigma_m(p.z));
+  seen.sigma_z = static_cast<double>(depth_sigma_m(keyframe.p_camera[i].z));
   return seen;
 }
 

@@ -3,12 +3,11 @@
 #include "onboard/app/mission_report.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 
 #include "nlohmann/json.hpp"
 
-#include "onboard/app/format_line.h"
+#include "shared/core/formatted.h"
 #include "shared/core/version.h"
 
 namespace kt {
@@ -33,12 +32,12 @@ std::string sources_text(const MissionStatus& status) {
 std::string stretch_text(const TrackingStretch& stretch, const MissionSummary& summary) {
   const auto seconds = [](int64_t us) { return static_cast<double>(us) * 1e-6; };
   std::string text =
-      format_line("%.1f s to %.1f s (frames %lld to %lld): ", seconds(stretch.first_us - summary.first_us),
-                  seconds(stretch.last_us - summary.first_us), static_cast<long long>(stretch.first_sequence),
-                  static_cast<long long>(stretch.last_sequence));
+      formatted("%.1f s to %.1f s (frames %lld to %lld): ", seconds(stretch.first_us - summary.first_us),
+                seconds(stretch.last_us - summary.first_us), static_cast<long long>(stretch.first_sequence),
+                static_cast<long long>(stretch.last_sequence));
   std::string what;
   const auto add = [&what](const std::string& part) { what += (what.empty() ? "" : ", ") + part; };
-  if (stretch.gap_us > 0) add(format_line("no frames for %.1f s", seconds(stretch.gap_us)));
+  if (stretch.gap_us > 0) add(formatted("no frames for %.1f s", seconds(stretch.gap_us)));
   if (stretch.lost > 0) add(std::to_string(stretch.lost) + " lost");
   if (stretch.uncertain > 0) add(std::to_string(stretch.uncertain) + " uncertain");
   if (stretch.cause != TrackingCause::kNone) add(to_string(stretch.cause));
@@ -65,22 +64,22 @@ nlohmann::ordered_json to_json(const TrackingStretch& stretch) {
 }
 
 std::string publishing_text(const LcmSink::Counts& counts) {
-  return format_line("published %lld messages, %.1f MB; %lld dropped, %lld refused by the network\n",
-                     static_cast<long long>(counts.messages), static_cast<double>(counts.bytes) / 1e6,
-                     static_cast<long long>(counts.dropped), static_cast<long long>(counts.refused));
+  return formatted("published %lld messages, %.1f MB; %lld dropped, %lld refused by the network\n",
+                   static_cast<long long>(counts.messages), static_cast<double>(counts.bytes) / 1e6,
+                   static_cast<long long>(counts.dropped), static_cast<long long>(counts.refused));
 }
 
 // Of a mission that was late; else empty.
 std::string effort_text(const MissionSummary& summary) {
   std::string text;
   if (summary.frames_dropped > 0)
-    text += format_line("late      %lld frames dropped, of those skipped\n",
-                        static_cast<long long>(summary.frames_dropped));
+    text += formatted("late      %lld frames dropped, of those skipped\n",
+                      static_cast<long long>(summary.frames_dropped));
   for (int i = 1; i < kEfforts; ++i) {
     const int64_t frames = summary.frames_by_effort[static_cast<size_t>(i)];
     if (frames == 0) continue;
-    text += format_line("late      %lld frames with less work: %s\n", static_cast<long long>(frames),
-                        to_string(static_cast<Effort>(i)));
+    text += formatted("late      %lld frames with less work: %s\n", static_cast<long long>(frames),
+                      to_string(static_cast<Effort>(i)));
   }
   return text;
 }
@@ -120,18 +119,18 @@ std::string mission_progress_text(const MissionStatus& status, int64_t frame_cou
   if (status.source != PoseSource::kNone && status.source != PoseSource::kModel)
     add(to_string(status.source));
   if (status.cause != TrackingCause::kNone) add(to_string(status.cause));
-  if (status.inlier_share > 0) add(format_line("%.0f %%", 100 * status.inlier_share));
-  return format_line("frame %lld%s  %.1f Hz  %s%s  %lld slices  %lld skipped",
-                     static_cast<long long>(status.frames + status.frames_skipped),
-                     frame_count > 0 ? (" of " + std::to_string(frame_count)).c_str() : "",
-                     static_cast<double>(status.frames) / std::max(seconds, 1e-3), to_string(status.tracking),
-                     why.empty() ? "" : (" (" + why + ")").c_str(), static_cast<long long>(status.slices),
-                     static_cast<long long>(status.frames_skipped));
+  if (status.inlier_share > 0) add(formatted("%.0f %%", 100 * status.inlier_share));
+  return formatted("frame %lld%s  %.1f Hz  %s%s  %lld slices  %lld skipped",
+                   static_cast<long long>(status.frames + status.frames_skipped),
+                   frame_count > 0 ? (" of " + std::to_string(frame_count)).c_str() : "",
+                   static_cast<double>(status.frames) / std::max(seconds, 1e-3), to_string(status.tracking),
+                   why.empty() ? "" : (" (" + why + ")").c_str(), static_cast<long long>(status.slices),
+                   static_cast<long long>(status.frames_skipped));
 }
 
 std::string mission_report_text(const MissionSummary& summary) {
   const MissionStatus& s = summary.status;
-  std::string text = format_line(
+  std::string text = formatted(
       "frames    %lld processed, %.1f %% tracked (%lld uncertain, %lld lost), %lld skipped\n",
       static_cast<long long>(s.frames), 100 * tracked_share(s), static_cast<long long>(s.frames_uncertain),
       static_cast<long long>(s.frames_lost), static_cast<long long>(s.frames_skipped));
@@ -139,37 +138,37 @@ std::string mission_report_text(const MissionSummary& summary) {
   for (const std::string& reason : summary.skip_reasons) text += "  skipped: " + reason + "\n";
   if (summary.camera_losses > 0)
     text +=
-        format_line("camera    gone %lld times for a while\n", static_cast<long long>(summary.camera_losses));
+        formatted("camera    gone %lld times for a while\n", static_cast<long long>(summary.camera_losses));
   for (const std::string& reason : summary.camera_loss_reasons) text += "  gone: " + reason + "\n";
   if (summary.motion_samples + summary.motion_samples_refused > 0) {
-    text += format_line("motion    %lld samples of other sensors, %lld refused\n",
-                        static_cast<long long>(summary.motion_samples),
-                        static_cast<long long>(summary.motion_samples_refused));
+    text += formatted("motion    %lld samples of other sensors, %lld refused\n",
+                      static_cast<long long>(summary.motion_samples),
+                      static_cast<long long>(summary.motion_samples_refused));
   }
   for (const std::string& reason : summary.motion_refusals) text += "  refused: " + reason + "\n";
   if (s.frames > 0) text += "poses     " + sources_text(s) + "\n";
   if (s.segments > 1)
-    text += format_line("segments  %d, counted from 0; at the end in segment %d\n", s.segments, s.segment);
+    text += formatted("segments  %d, counted from 0; at the end in segment %d\n", s.segments, s.segment);
   if (!summary.stretches.empty()) text += "worst stretches of the tracking\n";
   for (const TrackingStretch& stretch : summary.stretches)
     text += "  " + stretch_text(stretch, summary) + "\n";
   const int64_t more = summary.stretch_count - static_cast<int64_t>(summary.stretches.size());
-  if (more > 0) text += format_line("  and %lld more, none of them longer\n", static_cast<long long>(more));
-  text += format_line("slices    %lld with %lld vertices, %lld triangles\n", static_cast<long long>(s.slices),
-                      static_cast<long long>(s.slice_vertices), static_cast<long long>(s.slice_triangles));
+  if (more > 0) text += formatted("  and %lld more, none of them longer\n", static_cast<long long>(more));
+  text += formatted("slices    %lld with %lld vertices, %lld triangles\n", static_cast<long long>(s.slices),
+                    static_cast<long long>(s.slice_vertices), static_cast<long long>(s.slice_triangles));
   if (summary.storage.not_stored() > 0)
     text += "log       without " + not_stored_text(summary.storage) + ": the disk was low or full\n";
   if (summary.publishing) text += publishing_text(*summary.publishing);
-  text += format_line("%-10s%10s%10s%10s\n", "stage", "p50 ms", "p95 ms", "max ms");
+  text += formatted("%-10s%10s%10s%10s\n", "stage", "p50 ms", "p95 ms", "max ms");
   for (const auto& [stage, times] : summary.stage_times) {
     const char* name = stage == "frame_fallback" ? "fallback" : stage.c_str();
-    text += format_line("%-10s%10.2f%10.2f%10.2f\n", name, times.p50_ms, times.p95_ms, times.max_ms);
+    text += formatted("%-10s%10.2f%10.2f%10.2f\n", name, times.p50_ms, times.p95_ms, times.max_ms);
   }
-  text += format_line("took      %.1f s, %.0f MiB of memory at most%s\n", summary.seconds,
-                      summary.peak_memory_mib,
-                      summary.interrupted ? "; stopped by the user"
-                      : summary.timed_out ? "; no more frames came"
-                                          : "");
+  text +=
+      formatted("took      %.1f s, %.0f MiB of memory at most%s\n", summary.seconds, summary.peak_memory_mib,
+                summary.interrupted ? "; stopped by the user"
+                : summary.timed_out ? "; no more frames came"
+                                    : "");
   return text;
 }
 

@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <exception>
 
 #include "onboard/app/collector.h"
 #include "onboard/app/dated_path.h"
-#include "onboard/app/format_line.h"
 #include "shared/core/check.h"
+#include "shared/core/formatted.h"
 #include "shared/exec/device.h"
 #include "shared/io/calibration_file.h"
 #include "shared/wire/frame_codec.h"
@@ -81,9 +80,9 @@ Finding check_configuration(const CommandLine& command_line, CollectSettings& se
   const VolumeConfig& volume = settings.config.volume;
   const std::string& file = command_line.config_file;
   return {Verdict::kFine, "configuration",
-          (file.empty() ? "defaults" : file) + format_line("; volume of %.2f m, voxels of %g mm",
-                                                           volume.resolution * volume.voxel_size_m,
-                                                           1000 * volume.voxel_size_m)};
+          (file.empty() ? "defaults" : file) + formatted("; volume of %.2f m, voxels of %g mm",
+                                                         volume.resolution * volume.voxel_size_m,
+                                                         1000 * volume.voxel_size_m)};
 }
 
 }  // namespace
@@ -94,7 +93,7 @@ std::string finding_text(const Finding& finding) {
                                                                 : "FAIL";
   std::string text = finding.text;
   std::replace(text.begin(), text.end(), '\n', ' ');
-  return format_line("%-4s  %-13s  ", verdict, finding.item.c_str()) + text;
+  return formatted("%-4s  %-13s  ", verdict, finding.item.c_str()) + text;
 }
 
 Finding check_source(FrameSource& source, InputSample& sample) {
@@ -108,11 +107,10 @@ Finding check_source(FrameSource& source, InputSample& sample) {
   if (span_us > 0)
     sample.rate_hz = 1e6 * static_cast<double>(sample.frames.size() - 1) / static_cast<double>(span_us);
   const RgbdFrame& frame = sample.frames.front();
-  std::string text =
-      format_line("%d x %d, %.1f Hz, depth on %.0f %% of the pixels%s; %zu frames, %lld skipped",
-                  frame.depth.width(), frame.depth.height(), sample.rate_hz, 100 * sample.valid_share,
-                  frame.colour.empty() ? ", no colour" : "", sample.frames.size(),
-                  static_cast<long long>(sample.skipped));
+  std::string text = formatted("%d x %d, %.1f Hz, depth on %.0f %% of the pixels%s; %zu frames, %lld skipped",
+                               frame.depth.width(), frame.depth.height(), sample.rate_hz,
+                               100 * sample.valid_share, frame.colour.empty() ? ", no colour" : "",
+                               sample.frames.size(), static_cast<long long>(sample.skipped));
   if (sample.valid_share < kLeastValidShare) {
     return {Verdict::kBroken, "camera",
             text + ": too little depth; uncover the lens, keep 0.5 m of distance, shun glass and sunlight"};
@@ -137,12 +135,12 @@ Finding check_pipeline(const CollectSettings& settings, const InputSample& sampl
   for (const RgbdFrame& frame : sample.frames) collector.process(frame);
   const double frame_ms = collector.clock().times().at("frame").p50_ms;
   std::string text = std::string(device.name()) +
-                     (device.is_cuda() ? "" : format_line(" with %d threads", device.threads())) +
-                     format_line(": %.1f ms a frame", frame_ms);
+                     (device.is_cuda() ? "" : formatted(" with %d threads", device.threads())) +
+                     formatted(": %.1f ms a frame", frame_ms);
   std::string why_no_gpu;
   if (!device.is_cuda() && !exec::cuda_is_available(&why_no_gpu)) text += "; no GPU: " + why_no_gpu;
   if (frame_ms * sample.rate_hz > 1000) {
-    text += format_line(
+    text += formatted(
         "; the camera has one every %.1f ms: larger voxels, a smaller volume, fewer frames a second or a "
         "GPU make it keep up",
         1000 / sample.rate_hz);

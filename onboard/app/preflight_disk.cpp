@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <fcntl.h>
 #include <sys/statvfs.h>
 #include <system_error>
@@ -13,6 +12,7 @@
 #include "onboard/app/dated_path.h"
 #include "onboard/app/preflight.h"
 #include "shared/core/check.h"
+#include "shared/core/formatted.h"
 
 namespace kt {
 namespace {
@@ -59,10 +59,7 @@ double free_bytes(const std::filesystem::path& folder) {
 }
 
 std::string duration_text(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof(text), seconds < kEnoughSeconds ? "%.0f min" : "%.0f h",
-                seconds < kEnoughSeconds ? seconds / 60 : seconds / 3600);
-  return text;
+  return seconds < kEnoughSeconds ? formatted("%.0f min", seconds / 60) : formatted("%.0f h", seconds / 3600);
 }
 
 }  // namespace
@@ -72,11 +69,11 @@ Finding check_disk(const CollectOptions& options, double needed_bytes_per_second
   if (folder.empty()) folder = ".";
   const double rate = write_rate(folder), space = free_bytes(folder);
   const double lasts_s = space / needed_bytes_per_second;
-  char text[256];
-  std::snprintf(text, sizeof(text),
-                ": %.1f GB free, enough for %s; writes %.0f MB/s, a mission %.0f MB/s at most", space / 1e9,
-                duration_text(lasts_s).c_str(), rate / 1e6, needed_bytes_per_second / 1e6);
-  Finding finding{Verdict::kFine, "disk", folder.string() + text};
+  Finding finding{
+      Verdict::kFine, "disk",
+      folder.string() +
+          formatted(": %.1f GB free, enough for %s; writes %.0f MB/s, a mission %.0f MB/s at most",
+                    space / 1e9, duration_text(lasts_s).c_str(), rate / 1e6, needed_bytes_per_second / 1e6)};
   if (rate < needed_bytes_per_second) {
     finding.verdict = Verdict::kBroken;
     finding.text += ": too slow; log to another disk, or leave raw frames out";

@@ -36,8 +36,7 @@ std::vector<Feature> features_of(const Keyframe& keyframe) {
     Feature& feature = features[i];
     feature.pixel = {(static_cast<double>(keyframe.u_px[i]) + 0.5) / 2 - 0.5,
                      (static_cast<double>(keyframe.v_px[i]) + 0.5) / 2 - 0.5};
-    const Vec3f p = keyframe.p_camera[i];
-    feature.p_camera = {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
+    feature.p_camera = to_eigen(keyframe.p_camera[i]);
     double scale = static_cast<double>(keyframe.scale_px[i]) / 2 / kScaleOfFinest_px;
     for (feature.level = 0; scale > 1.42 && feature.level < 5; scale /= 2) ++feature.level;
   }

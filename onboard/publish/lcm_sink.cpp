@@ -46,7 +46,6 @@ LcmSink::Counts LcmSink::counts() const {
 }
 
 void LcmSink::on_session(SessionHeader session) {
-  calibration_ = session.calibration;
   {
     const std::lock_guard lock(mutex_);
     session_ = session;
@@ -56,7 +55,7 @@ void LcmSink::on_session(SessionHeader session) {
 }
 
 void LcmSink::on_pose(StampedPose pose) {
-  put_small(body_pose(pose, last_pose_ ? &*last_pose_ : nullptr, calibration_));
+  put_small(body_pose(pose, last_pose_ ? &*last_pose_ : nullptr, session_.calibration));
   last_pose_ = pose;
   put_small(std::move(pose));
 }
@@ -145,7 +144,7 @@ void LcmSink::repeat_session() {
   const Clock::time_point now = Clock::now();
   if (stopping_ || now < next_session_) return;
   next_session_ = now + options_.session_interval;
-  if (small_.size() < options_.max_queued_messages) small_.emplace_back(*session_);
+  if (small_.size() < options_.max_queued_messages) small_.emplace_back(session_);
 }
 
 void LcmSink::send_small(std::unique_lock<std::mutex>& lock) {

@@ -88,7 +88,6 @@ class LcmSink final : public MessageSink {
   // Used by the caller's thread alone.
   int temperature_c_ = 0;  ///< as MissionStatus
   Clock::time_point next_temperature_{};
-  Calibration calibration_;
   std::optional<StampedPose> last_pose_;
 
   mutable std::mutex mutex_;  ///< guards all of the following
@@ -98,8 +97,8 @@ class LcmSink final : public MessageSink {
   size_t large_bytes_ = 0;        ///< of large_
   std::deque<CloudSlice> parts_;  ///< of the slice that is being sent
   Clock::time_point next_large_{};
-  std::optional<SessionHeader> session_;
-  Clock::time_point next_session_ = Clock::time_point::max();
+  SessionHeader session_;  ///< changed by the caller's thread alone, which may read it without the lock
+  Clock::time_point next_session_ = Clock::time_point::max();  ///< when it goes out again
   std::array<int64_t, kChannels.size()> next_sequence_{};
   Counts counts_;
   bool stopping_ = false;

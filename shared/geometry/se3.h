@@ -52,6 +52,11 @@ double movement(const Pose& T);
 /// Whether every entry is finite and the rotation is orthonormal to `tolerance`.
 bool is_valid_pose(const Pose& T, double tolerance = 1e-3);
 
+inline Eigen::Vector3d to_eigen(Vec3f v) { return Eigen::Vector3f(v.x, v.y, v.z).cast<double>(); }
+inline Vec3f to_vec3f(const Eigen::Vector3d& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
 /// The single-precision copy that kernels take.
 Rigid3f to_rigid3f(const Pose& T);
 

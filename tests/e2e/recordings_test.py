@@ -13,9 +13,9 @@ FRAMES = 150  # of redkitchen, to keep the test short; tools/benchmark runs the 
 
 class RecordingsTest(ProgramTest):
     def collect_and_evaluate(self, source, groundtruth):
-        log, report = self.collect(source)
+        self.log, report = self.collect(source)
         self.assertEqual(report["tracked_share"], 1)
-        self.out = self.map(log)
+        self.out = self.map(self.log)
         return self.evaluate("trajectory", estimate=self.out / "trajectory.txt", groundtruth=groundtruth)
 
     @unittest.skipUnless((DATA / "redkitchen").is_dir(), f"no recording {DATA / 'redkitchen'}")
@@ -38,6 +38,8 @@ class RecordingsTest(ProgramTest):
         corrected = self.out / "corrected_calibration.yaml"
         self.assertIn("colour_delay_s: 0.00", corrected.read_text())
         self.run_well("collect", "--input", f"tum:{folder}", "--calibration", corrected, "--log", self.folder / "again.lcm")
+        self.run_well("map", self.log, "--output", self.out, "--no-refine")
+        self.assertFalse(corrected.exists(), "that of an earlier run")
 
 
 if __name__ == "__main__":

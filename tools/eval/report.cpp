@@ -3,7 +3,8 @@
 #include "tools/eval/report.h"
 
 #include <array>
-#include <cstdio>
+
+#include "shared/core/formatted.h"
 
 namespace kt {
 namespace {
@@ -17,16 +18,9 @@ nlohmann::ordered_json statistics_json(const Statistics& s, const std::string& u
           {"p95_" + unit, s.p95}};
 }
 
-template <typename... Values>
-std::string line(const char* format, Values... values) {
-  char text[200];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
-
 std::string statistics_line(const char* what, const Statistics& s, double factor, const char* unit) {
-  return line("%-22s rmse %8.2f  mean %8.2f  median %8.2f  p95 %8.2f  max %8.2f  %s\n", what, factor * s.rmse,
-              factor * s.mean, factor * s.median, factor * s.p95, factor * s.max, unit);
+  return formatted("%-22s rmse %8.2f  mean %8.2f  median %8.2f  p95 %8.2f  max %8.2f  %s\n", what,
+                   factor * s.rmse, factor * s.mean, factor * s.median, factor * s.p95, factor * s.max, unit);
 }
 
 nlohmann::ordered_json nees_json(const Statistics& s) {
@@ -34,7 +28,7 @@ nlohmann::ordered_json nees_json(const Statistics& s) {
 }
 
 std::string nees_line(const char* what, const Statistics& s) {
-  return line("%-22s mean %8.3f  median %8.3f  p95 %8.3f\n", what, s.mean, s.median, s.p95);
+  return formatted("%-22s mean %8.3f  median %8.3f  p95 %8.3f\n", what, s.mean, s.median, s.p95);
 }
 
 nlohmann::ordered_json share_json(int64_t part, int64_t whole) {
@@ -78,8 +72,9 @@ nlohmann::ordered_json consistency_json(const std::optional<Consistency>& consis
 std::string nees_text(const char* title, const Consistency& consistency) {
   return nees_line(title, consistency.pose) + nees_line("  rotation, NEES/3", consistency.rotation) +
          nees_line("  translation, NEES/3", consistency.translation) +
-         line("%-22s 1 is honest, above it overconfident; %lld pairs, %lld left out\n", "",
-              static_cast<long long>(consistency.pairs), static_cast<long long>(consistency.pairs_left_out));
+         formatted("%-22s 1 is honest, above it overconfident; %lld pairs, %lld left out\n", "",
+                   static_cast<long long>(consistency.pairs),
+                   static_cast<long long>(consistency.pairs_left_out));
 }
 
 }  // namespace
@@ -111,14 +106,14 @@ nlohmann::ordered_json layers_json(const DoubleLayers& layers) {
 }
 
 std::string layers_text(const DoubleLayers& layers) {
-  return line("%-22s %lld of %lld vertices have a second layer beside them, %.2f %%\n", "layers",
-              static_cast<long long>(layers.doubled), static_cast<long long>(layers.vertices),
-              100 * layers.share());
+  return formatted("%-22s %lld of %lld vertices have a second layer beside them, %.2f %%\n", "layers",
+                   static_cast<long long>(layers.doubled), static_cast<long long>(layers.vertices),
+                   100 * layers.share());
 }
 
 std::string edges_text(const EdgeConsistency& edges) {
   const auto text = [](const char* title, const std::optional<Consistency>& consistency) {
-    return consistency ? nees_text(title, *consistency) : line("%-22s –  (none to judge)\n", title);
+    return consistency ? nees_text(title, *consistency) : formatted("%-22s –  (none to judge)\n", title);
   };
   return text("closures, NEES/6", edges.closures) + text("odometry, NEES/6", edges.odometry);
 }
@@ -187,45 +182,48 @@ std::string trajectory_text(const AbsoluteTrajectoryError& ate, const std::optio
   return statistics_line("ATE", ate.translation_m, 1000, "mm") +
          (rpe ? statistics_line("RPE translation", rpe->translation_m, 1000, "mm") +
                     statistics_line("RPE rotation", rpe->rotation_deg, 1, "deg")
-              : line("%-22s –  (too few spans of --delta)\n", "RPE")) +
-         line("%-22s %zu pairs, %.1f %% of the estimate's poses; %.1f %% of the ground truth is covered\n",
-              "coverage", ate.samples.size(), 100 * ate.estimate_paired_share,
-              100 * ate.groundtruth_covered_share);
+              : formatted("%-22s –  (too few spans of --delta)\n", "RPE")) +
+         formatted(
+             "%-22s %zu pairs, %.1f %% of the estimate's poses; %.1f %% of the ground truth is covered\n",
+             "coverage", ate.samples.size(), 100 * ate.estimate_paired_share,
+             100 * ate.groundtruth_covered_share);
 }
 
 std::string consistency_text(const std::optional<Consistency>& consistency) {
   if (!consistency) {
-    return line("%-22s –  (no span of --delta whose edges have information)\n", "consistency");
+    return formatted("%-22s –  (no span of --delta whose edges have information)\n", "consistency");
   }
   return nees_text("consistency, NEES/6", *consistency);
 }
 
 std::string loops_text(const LoopEvaluation& loops) {
   const auto count = [](int64_t n) { return static_cast<long long>(n); };
-  std::string text = line("%-22s %lld of %zu events recalled, %lld of %lld keyframes with a true revisit\n",
-                          "loops", count(loops.recalled_events()), loops.events.size(),
-                          count(loops.recalled_keyframes), count(loops.revisit_keyframes));
-  text += line("%-22s %lld correct of %zu that could be judged, %lld in all\n", "  accepted",
-               count(loops.correct()), loops.judged.size(), count(loops.accepted()));
+  std::string text =
+      formatted("%-22s %lld of %zu events recalled, %lld of %lld keyframes with a true revisit\n", "loops",
+                count(loops.recalled_events()), loops.events.size(), count(loops.recalled_keyframes),
+                count(loops.revisit_keyframes));
+  text += formatted("%-22s %lld correct of %zu that could be judged, %lld in all\n", "  accepted",
+                    count(loops.correct()), loops.judged.size(), count(loops.accepted()));
   if (!loops.judged.empty()) {
     const Statistics m = *loops.translation_m(), deg = *loops.rotation_deg();
-    text += line("%-22s median %.2f mm, %.3f deg  p95 %.2f mm, %.3f deg  max %.2f mm, %.3f deg\n", "  error",
-                 1000 * m.median, deg.median, 1000 * m.p95, deg.p95, 1000 * m.max, deg.max);
+    text += formatted("%-22s median %.2f mm, %.3f deg  p95 %.2f mm, %.3f deg  max %.2f mm, %.3f deg\n",
+                      "  error", 1000 * m.median, deg.median, 1000 * m.p95, deg.p95, 1000 * m.max, deg.max);
   }
   VerdictCounts missed = loops.revisits_by_verdict;
   missed[static_cast<size_t>(LoopVerdict::kAccepted)] = 0;
-  text += line("%-22s ", "  candidates") + verdicts_text(loops.by_verdict) + "\n" +
-          line("%-22s ", "  missed revisits") + verdicts_text(missed) +
-          line("; %lld keyframes without a candidate\n", count(loops.unproposed_keyframes));
+  text += formatted("%-22s ", "  candidates") + verdicts_text(loops.by_verdict) + "\n" +
+          formatted("%-22s ", "  missed revisits") + verdicts_text(missed) +
+          formatted("; %lld keyframes without a candidate\n", count(loops.unproposed_keyframes));
   for (const LoopEvaluation::Event& event : loops.events) {
     if (event.is_recalled) continue;
-    text += line("%-22s frames %lld to %lld, %lld keyframes\n", "  missed event", count(event.first),
-                 count(event.last), count(event.keyframes));
+    text += formatted("%-22s frames %lld to %lld, %lld keyframes\n", "  missed event", count(event.first),
+                      count(event.last), count(event.keyframes));
   }
   for (const LoopEvaluation::JudgedClosure& closure : loops.judged) {
     if (closure.is_correct) continue;
-    text += line("%-22s frames %lld and %lld: %.1f mm, %.2f deg off\n", "  wrong closure",
-                 count(closure.from), count(closure.to), 1000 * closure.translation_m, closure.rotation_deg);
+    text +=
+        formatted("%-22s frames %lld and %lld: %.1f mm, %.2f deg off\n", "  wrong closure",
+                  count(closure.from), count(closure.to), 1000 * closure.translation_m, closure.rotation_deg);
   }
   return text;
 }
@@ -234,18 +232,18 @@ std::string surface_text(const SurfaceError& error, const SurfaceErrorOptions& o
   const double threshold_mm = 1000 * options.threshold_m;
   return statistics_line("accuracy", error.accuracy_m, 1000, "mm") +
          statistics_line("completeness", error.completeness_m, 1000, "mm") +
-         line("%-22s %.2f %% of the map, %.2f %% of the true surface; F-score %.2f %%\n",
-              line("within %g mm", threshold_mm).c_str(), 100 * error.accurate_share,
-              100 * error.complete_share, 100 * error.f_score);
+         formatted("%-22s %.2f %% of the map, %.2f %% of the true surface; F-score %.2f %%\n",
+                   formatted("within %g mm", threshold_mm).c_str(), 100 * error.accurate_share,
+                   100 * error.complete_share, 100 * error.f_score);
 }
 
 std::string colour_text(const ColourError& error) {
   std::string text;
   for (size_t channel = 0; channel < 3; ++channel)
     text += statistics_line(kChannelNames[channel], error.levels[channel], 1, "levels");
-  return text + line("%-22s %.2f levels, of %lld vertices; the map's levels times %.3f %.3f %.3f\n",
-                     "colour, mean", error.mean, static_cast<long long>(error.compared), error.factor[0],
-                     error.factor[1], error.factor[2]);
+  return text + formatted("%-22s %.2f levels, of %lld vertices; the map's levels times %.3f %.3f %.3f\n",
+                          "colour, mean", error.mean, static_cast<long long>(error.compared), error.factor[0],
+                          error.factor[1], error.factor[2]);
 }
 
 }  // namespace kt

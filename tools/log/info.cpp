@@ -3,14 +3,13 @@
 #include "tools/log/info.h"
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
 #include <set>
 #include <variant>
 
 #include "nlohmann/json.hpp"
 
 #include "offboard/session/integrity_report.h"
+#include "shared/core/formatted.h"
 #include "shared/io/text_lines.h"
 
 namespace kt {
@@ -27,37 +26,26 @@ double rate_hz(const MessageReader::ChannelCount& channel) {
   return channel.messages > 1 && duration_s > 0 ? static_cast<double>(channel.messages - 1) / duration_s : 0;
 }
 
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
-  va_list arguments, again;
-  va_start(arguments, pattern);
-  va_copy(again, arguments);
-  std::string text(static_cast<size_t>(std::vsnprintf(nullptr, 0, pattern, arguments)), '\0');
-  std::vsnprintf(text.data(), text.size() + 1, pattern, again);
-  va_end(again);
-  va_end(arguments);
-  return text;
-}
-
 std::string size_text(int64_t bytes) {
   const auto size = static_cast<double>(bytes);
-  if (size < 1e3) return format("%.0f B", size);
-  if (size < 1e6) return format("%.1f kB", size / 1e3);
-  return size < 1e9 ? format("%.1f MB", size / 1e6) : format("%.2f GB", size / 1e9);
+  if (size < 1e3) return formatted("%.0f B", size);
+  if (size < 1e6) return formatted("%.1f kB", size / 1e3);
+  return size < 1e9 ? formatted("%.1f MB", size / 1e6) : formatted("%.2f GB", size / 1e9);
 }
 
 std::string camera_text(const Camera& camera) {
-  return format("%d x %d, f %.2f %.2f, c %.2f %.2f%s", camera.width, camera.height, camera.fx, camera.fy,
-                camera.cx, camera.cy, camera.is_distorted() ? ", distorted" : "");
+  return formatted("%d x %d, f %.2f %.2f, c %.2f %.2f%s", camera.width, camera.height, camera.fx, camera.fy,
+                   camera.cx, camera.cy, camera.is_distorted() ? ", distorted" : "");
 }
 
 std::string session_text(const SessionHeader& session) {
   const Calibration& calibration = session.calibration;
-  return format("written by   Kintsugi %s, log format %d\n", session.program_version.c_str(),
-                session.format_version) +
-         format("calibration  %s, depth unit %g m%s\n", calibration.name.c_str(), calibration.depth_unit_m,
-                calibration.is_registered() ? ", colour registered to depth" : "") +
-         format("  depth      %s\n  colour     %s\n", camera_text(calibration.depth).c_str(),
-                camera_text(calibration.colour).c_str());
+  return formatted("written by   Kintsugi %s, log format %d\n", session.program_version.c_str(),
+                   session.format_version) +
+         formatted("calibration  %s, depth unit %g m%s\n", calibration.name.c_str(), calibration.depth_unit_m,
+                   calibration.is_registered() ? ", colour registered to depth" : "") +
+         formatted("  depth      %s\n  colour     %s\n", camera_text(calibration.depth).c_str(),
+                   camera_text(calibration.colour).c_str());
 }
 
 std::string indented(const std::string& text) {
@@ -104,28 +92,29 @@ LogInfo read_info(const std::filesystem::path& path) {
 }
 
 std::string info_text(const LogInfo& info) {
-  std::string text = format("log          %s, %s", info.path.c_str(), size_text(info.file_bytes).c_str());
-  if (info.parts > 1) text += format(" in %lld files", static_cast<long long>(info.parts));
+  std::string text = formatted("log          %s, %s", info.path.c_str(), size_text(info.file_bytes).c_str());
+  if (info.parts > 1) text += formatted(" in %lld files", static_cast<long long>(info.parts));
   text += "\n";
   text += info.session ? session_text(*info.session) : "written by   unknown: there is no session event\n";
-  text += format("recorded     %.2f s from stamp %s\n", seconds(info.first_us, info.last_us),
-                 format_stamp_us(info.first_us).c_str());
-  text += format("integrity    %s\n", integrity_text(info.integrity).c_str());
+  text += formatted("recorded     %.2f s from stamp %s\n", seconds(info.first_us, info.last_us),
+                    format_stamp_us(info.first_us).c_str());
+  text += formatted("integrity    %s\n", integrity_text(info.integrity).c_str());
   text += "poses       ";
   for (const TrackingStatus status : kStatuses) {
-    text += format(" %lld %s", static_cast<long long>(info.poses_by_status[static_cast<size_t>(status)]),
-                   to_string(status));
+    text += formatted(" %lld %s", static_cast<long long>(info.poses_by_status[static_cast<size_t>(status)]),
+                      to_string(status));
   }
-  if (info.segments > 1) text += format(", in %lld segments", static_cast<long long>(info.segments));
-  text += format("\nslices       %lld vertices, %lld triangles\n\n",
-                 static_cast<long long>(info.slice_vertices), static_cast<long long>(info.slice_triangles));
-  text += format("%-18s %9s %9s %10s %8s\n", "channel", "messages", "per s", "size", "missing");
+  if (info.segments > 1) text += formatted(", in %lld segments", static_cast<long long>(info.segments));
+  text +=
+      formatted("\nslices       %lld vertices, %lld triangles\n\n",
+                static_cast<long long>(info.slice_vertices), static_cast<long long>(info.slice_triangles));
+  text += formatted("%-18s %9s %9s %10s %8s\n", "channel", "messages", "per s", "size", "missing");
   for (size_t i = 0; i < kChannels.size(); ++i) {
     const auto& channel = info.channels[i];
     if (channel.messages == 0) continue;
-    text += format("%-18s %9lld %9.2f %10s %8lld\n", kChannels[i].data(),
-                   static_cast<long long>(channel.messages), rate_hz(channel),
-                   size_text(channel.bytes).c_str(), static_cast<long long>(channel.missing));
+    text += formatted("%-18s %9lld %9.2f %10s %8lld\n", kChannels[i].data(),
+                      static_cast<long long>(channel.messages), rate_hz(channel),
+                      size_text(channel.bytes).c_str(), static_cast<long long>(channel.missing));
   }
   if (info.session && !info.session->configuration_yaml.empty()) {
     text += "\nconfiguration\n" + indented(info.session->configuration_yaml) + "\n";

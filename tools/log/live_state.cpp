@@ -3,21 +3,15 @@
 #include "tools/log/live_state.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "yaml-cpp/yaml.h"
+
+#include "shared/core/formatted.h"
 
 namespace kt {
 namespace {
 
 constexpr std::chrono::seconds kRateWindow{5};
-
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[160];
-  std::snprintf(text, sizeof(text), pattern, values...);
-  return text;
-}
 
 double seconds(std::chrono::steady_clock::duration time) {
   return std::chrono::duration<double>(time).count();
@@ -92,18 +86,19 @@ std::string LiveState::tracking_text() const {
   if (!pose_) return status_ ? to_string(status_->tracking) : "not told yet";
   std::string why = to_string(pose_->source);
   if (pose_->cause != TrackingCause::kNone) why += std::string(", ") + to_string(pose_->cause);
-  return format("%s (%s, %.0f %%)", to_string(pose_->status), why.c_str(), 100 * pose_->quality.inlier_share);
+  return formatted("%s (%s, %.0f %%)", to_string(pose_->status), why.c_str(),
+                   100 * pose_->quality.inlier_share);
 }
 
-std::string LiveState::rate_text(Time now) const { return format("%.1f Hz", frames_.per_second(now)); }
+std::string LiveState::rate_text(Time now) const { return formatted("%.1f Hz", frames_.per_second(now)); }
 
 std::string LiveState::frames_text() const {
   const int64_t newest = std::max(pose_ ? pose_->sequence + 1 : 0, status_ ? status_->frames : 0);
-  std::string text = format("%lld frames", static_cast<long long>(newest));
+  std::string text = formatted("%lld frames", static_cast<long long>(newest));
   if (status_) {
-    text +=
-        format(", %lld uncertain, %lld lost, %lld dropped", static_cast<long long>(status_->frames_uncertain),
-               static_cast<long long>(status_->frames_lost), static_cast<long long>(status_->frames_skipped));
+    text += formatted(
+        ", %lld uncertain, %lld lost, %lld dropped", static_cast<long long>(status_->frames_uncertain),
+        static_cast<long long>(status_->frames_lost), static_cast<long long>(status_->frames_skipped));
   }
   return text;
 }
@@ -111,37 +106,38 @@ std::string LiveState::frames_text() const {
 std::string LiveState::camera_text() const {
   if (!pose_) return "not told yet";
   const auto& p = pose_->T_odom_camera.translation();
-  return format("at %.2f %.2f %.2f m, segment %d", p.x(), p.y(), p.z(), pose_->segment);
+  return formatted("at %.2f %.2f %.2f m, segment %d", p.x(), p.y(), p.z(), pose_->segment);
 }
 
 std::string LiveState::volume_text() const {
   if (!status_) return "not told yet";
   const Vec3i& low = status_->volume_origin_voxel;
-  if (voxel_size_m_ <= 0) return format("from voxel %d %d %d", low.x, low.y, low.z);
+  if (voxel_size_m_ <= 0) return formatted("from voxel %d %d %d", low.x, low.y, low.z);
   const auto middle_m = [&](int origin) { return (origin + 0.5 * resolution_) * voxel_size_m_; };
-  return format("around %.2f %.2f %.2f m, %lld slices left it", middle_m(low.x), middle_m(low.y),
-                middle_m(low.z), static_cast<long long>(status_->slices));
+  return formatted("around %.2f %.2f %.2f m, %lld slices left it", middle_m(low.x), middle_m(low.y),
+                   middle_m(low.z), static_cast<long long>(status_->slices));
 }
 
 std::string LiveState::gaps_text() const {
   if (!status_ || status_->not_stored + status_->not_published == 0) return {};
-  return format("%lld messages not stored, %lld not published", static_cast<long long>(status_->not_stored),
-                static_cast<long long>(status_->not_published));
+  return formatted("%lld messages not stored, %lld not published",
+                   static_cast<long long>(status_->not_stored),
+                   static_cast<long long>(status_->not_published));
 }
 
 std::string LiveState::disk_text(Time now) const {
   if (free_bytes_ < 0) return {};
   const double rate = log_bytes_per_.per_second(now), space = static_cast<double>(free_bytes_);
-  std::string text = format("log %.1f MB, +%.1f MB/s, %.1f GB free", static_cast<double>(log_bytes_) / 1e6,
-                            rate / 1e6, space / 1e9);
-  if (rate > 0) text += format(" (%.1f h)", space / rate / 3600);
+  std::string text = formatted("log %.1f MB, +%.1f MB/s, %.1f GB free", static_cast<double>(log_bytes_) / 1e6,
+                               rate / 1e6, space / 1e9);
+  if (rate > 0) text += formatted(" (%.1f h)", space / rate / 3600);
   return text;
 }
 
 std::string LiveState::temperature_text() const {
   const int told = status_ ? status_->temperature_c : 0;
   const int degrees = told != 0 ? told : temperature_here_c_.value_or(0);
-  return degrees != 0 ? format("%d C", degrees) : std::string();
+  return degrees != 0 ? formatted("%d C", degrees) : std::string();
 }
 
 std::vector<std::string> LiveState::lines(Time now) const {

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "shared/core/check.h"
+#include "shared/core/formatted.h"
 #include "shared/core/temperature.h"
 #include "shared/wire/codec.h"
 #include "shared/wire/lcm_bus.h"
@@ -111,9 +112,7 @@ class Screen {
 };
 
 std::string silence_text(const Feed& feed, double silence_s) {
-  char text[64];
-  std::snprintf(text, sizeof(text), "nothing for %.0f s from ", silence_s);
-  return text + feed.name() + ": " + feed.remedy;
+  return formatted("nothing for %.0f s from ", silence_s) + feed.name() + ": " + feed.remedy;
 }
 
 void show(Screen& screen, const LiveState& state, const Feed& feed, Clock::time_point start) {

@@ -19,10 +19,6 @@ constexpr double kNearPixels = 4;
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
-Eigen::Vector3d to_eigen(Vec3f p) {
-  return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
-}
-
 }  // namespace
 
 ViewChange view_change(const PinholeParams& camera, const Image<uint16_t>& from, const Image<uint16_t>& to,

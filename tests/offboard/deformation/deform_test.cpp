@@ -24,7 +24,7 @@ std::vector<SliceVertex> random_vertices(int64_t count) {
   std::vector<SliceVertex> vertices;
   for (int64_t i = 0; i < count; ++i) {
     vertices.push_back(test::vertex_at(5 * test::random_point(1, i), i % 450));
-    vertices.back().n_odom = test::to_vec3f(test::random_point(2, i).normalized());
+    vertices.back().n_odom = to_vec3f(test::random_point(2, i).normalized());
     vertices.back().key.bits = static_cast<uint64_t>(i);
     vertices.back().weight = static_cast<float>(i);
   }

@@ -54,9 +54,6 @@ inline Trajectory trajectory_of(const std::vector<Pose>& poses) {
   return trajectory;
 }
 
-inline Vec3f to_vec3f(const Eigen::Vector3d& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
-}
 inline SliceVertex vertex_at(const Eigen::Vector3d& p_odom, int64_t pose_sequence) {
   SliceVertex vertex;
   vertex.p_odom = to_vec3f(p_odom);

@@ -162,8 +162,7 @@ TEST(LoopVerifier, MeasuresWithColourBesideDepth) {
   for (Keyframe* keyframe : {&pair.from.keyframe, &pair.to.keyframe}) {
     for (size_t i = 0; i < keyframe->p_camera.size(); ++i) {
       const Vec3f p = keyframe->p_camera[i];
-      const Eigen::Vector2d pixel = calibration.colour.project(calibration.T_colour_depth *
-                                                               Eigen::Vector3f(p.x, p.y, p.z).cast<double>());
+      const Eigen::Vector2d pixel = calibration.colour.project(calibration.T_colour_depth * to_eigen(p));
       keyframe->u_px[i] = static_cast<float>(pixel.x());
       keyframe->v_px[i] = static_cast<float>(pixel.y());
     }

@@ -175,11 +175,9 @@ TEST(PlaceRecogniser, KeyframesShowWhatTheFrameShowed) {
     const Vec3f p = keyframe.p_camera[i];
     if (p.z <= 0) continue;
     ++points;
-    const Eigen::Vector3d p_world =
-        T_world_camera(0) * Eigen::Vector3d(Eigen::Vector3f(p.x, p.y, p.z).cast<double>());
+    const Eigen::Vector3d p_world = T_world_camera(0) * to_eigen(p);
     EXPECT_NEAR(place().distance(p_world), 0, 0.01);
-    const Eigen::Vector2d pixel =
-        kSmallCalibration.colour.project(Eigen::Vector3f(p.x, p.y, p.z).cast<double>());
+    const Eigen::Vector2d pixel = kSmallCalibration.colour.project(to_eigen(p));
     EXPECT_NEAR(pixel.x(), static_cast<double>(keyframe.u_px[i]), 1.5);
     EXPECT_NEAR(pixel.y(), static_cast<double>(keyframe.v_px[i]), 1.5);
   }

@@ -14,8 +14,7 @@ double largest_error_m(const BentMission& mission, const std::vector<SliceVertex
   double largest = 0;
   for (size_t i = 0; i < vertices.size(); ++i) {
     const Vec3f p = vertices[i].p_odom;
-    largest =
-        std::max(largest, (Eigen::Vector3f(p.x, p.y, p.z).cast<double>() - mission.true_points[i]).norm());
+    largest = std::max(largest, (to_eigen(p) - mission.true_points[i]).norm());
   }
   return largest;
 }
