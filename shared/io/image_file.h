@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "shared/core/image.h"
 
@@ -21,12 +20,6 @@ Image<Rgb8> decode_colour(std::span<const uint8_t> bytes, const std::string& nam
 
 Image<uint16_t> read_depth(const std::filesystem::path& path);
 Image<Rgb8> read_colour(const std::filesystem::path& path);
-
-/// Lossless; compression is set for speed (a frame has to leave in a few milliseconds).
-std::vector<uint8_t> encode_depth_png(const Image<uint16_t>& depth);
-std::vector<uint8_t> encode_colour_png(const Image<Rgb8>& colour);
-/// `quality` from 1 to 100.
-std::vector<uint8_t> encode_colour_jpeg(const Image<Rgb8>& colour, int quality = 95);
 
 void write_depth(const std::filesystem::path& path, const Image<uint16_t>& depth);
 /// PNG or JPEG by the extension: .png, .jpg or .jpeg.

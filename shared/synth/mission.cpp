@@ -50,9 +50,10 @@ SynthOptions checked(SynthOptions options) {
   return options;
 }
 
-uint64_t seed_of(const std::string& name) {
+uint64_t seed_of(const std::string& name, uint64_t draw) {
   Digest digest;
   digest.add_bytes(name.data(), name.size());
+  if (draw != 0) digest.add(draw);
   return digest.value();
 }
 
@@ -91,7 +92,7 @@ std::vector<std::string> synthetic_mission_names() {
 SyntheticMission::SyntheticMission(const std::string& name, const SynthOptions& options)
     : name_(name),
       options_(checked(options)),
-      seed_(seed_of(name)),
+      seed_(seed_of(name, options.draw)),
       world_(find(name).make()),
       path_(world_.way_points, world_.pace) {
   auto count = static_cast<int64_t>(path_.duration_s() * kFrameRate) + 1;

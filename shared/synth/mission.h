@@ -32,6 +32,7 @@ struct SynthOptions {
   bool auto_exposure = false;          ///< and follows what is in view, white balance too (AutoExposure)
   std::optional<int64_t> frames = {};  ///< only the first so many frames; the path stays the same
   int downscale = 1;  ///< 1 to 8: images this many times smaller, for quick tests; same field of view
+  uint64_t draw = 0;  ///< another number: another draw of all that is random; scene and path stay the same
   int threads = 0;    ///< 0 = all cores; frames do not depend on it
 };
 
@@ -48,7 +49,7 @@ class SyntheticMission {
   explicit SyntheticMission(const std::string& name, const SynthOptions& options = {});
 
   const std::string& name() const { return name_; }
-  /// Of all that is random in this mission; follows from the name.
+  /// Of all that is random in this mission; follows from the name and the draw.
   uint64_t seed() const { return seed_; }
   int64_t frame_count() const { return static_cast<int64_t>(groundtruth_.size()); }
 

@@ -5,16 +5,17 @@
 #include <string>
 
 #include "shared/io/image_file.h"
+#include "shared/io/jpeg_codec.h"
+#include "shared/io/png_codec.h"
 
 namespace kt {
 
 CompressedFrame compress(const RgbdFrame& frame, const FrameCompression& compression) {
   CompressedFrame compressed{
-      frame.sequence, frame.timestamp_us, frame.colour_timestamp_us, encode_depth_png(frame.depth), {}};
+      frame.sequence, frame.timestamp_us, frame.colour_timestamp_us, encode_png(frame.depth), {}};
   if (!frame.colour.empty()) {
-    compressed.colour = compression.lossless_colour
-                            ? encode_colour_png(frame.colour)
-                            : encode_colour_jpeg(frame.colour, compression.jpeg_quality);
+    compressed.colour = compression.lossless_colour ? encode_png(frame.colour)
+                                                    : encode_jpeg(frame.colour, compression.jpeg_quality);
   }
   return compressed;
 }

@@ -7,6 +7,8 @@
 #include "kintsugi/loop_closure_t.hpp"
 #include "shared/io/image_file.h"
 #include "shared/io/image_header.h"
+#include "shared/io/jpeg_codec.h"
+#include "shared/io/png_codec.h"
 #include "shared/wire/lcm_fields.h"
 #include "shared/wire/sealed_message.h"
 
@@ -64,11 +66,11 @@ std::vector<uint8_t> encode(const Keyframe& keyframe, int64_t message_sequence) 
   if (!keyframe.depth.empty()) {
     message.depth_width = keyframe.depth.width();
     message.depth_height = keyframe.depth.height();
-    message.depth_png = encode_depth_png(keyframe.depth);
+    message.depth_png = encode_png(keyframe.depth);
   }
   message.depth_bytes = wire_count(message.depth_png.size(), 8);
   if (!keyframe.thumbnail.empty())
-    message.thumbnail_jpeg = encode_colour_jpeg(keyframe.thumbnail, kThumbnailQuality);
+    message.thumbnail_jpeg = encode_jpeg(keyframe.thumbnail, kThumbnailQuality);
   message.thumbnail_bytes = wire_count(message.thumbnail_jpeg.size(), 8);
   message.u_px = keyframe.u_px;
   message.v_px = keyframe.v_px;

@@ -7,9 +7,10 @@
 #include "shared/io/calibration_file.h"
 #include "shared/io/file.h"
 #include "shared/io/g2o.h"
-#include "shared/io/image_file.h"
+#include "shared/io/jpeg_codec.h"
 #include "shared/io/odometry_file.h"
 #include "shared/io/ply.h"
+#include "shared/io/png_codec.h"
 #include "shared/io/trajectory_file.h"
 #include "shared/wire/codec.h"
 #include "shared/wire/event_log.h"
@@ -75,9 +76,9 @@ void dataset_seeds(const fs::path& folder) {
        "\2"
        "0 -1 0 0.5\n1 0 0 0\n0 0 1 3\n0 0 0 1\n");
   seed(folder, "calibration", "\3" + kt::calibration_to_yaml(kt::builtin_calibration("tum-fr1")));
-  seed(folder, "depth", "\4" + std::string(kt::as_text(kt::encode_depth_png(frame.depth))));
-  seed(folder, "png", "\5" + std::string(kt::as_text(kt::encode_colour_png(frame.colour))));
-  seed(folder, "jpeg", "\5" + std::string(kt::as_text(kt::encode_colour_jpeg(frame.colour, 90))));
+  seed(folder, "depth", "\4" + std::string(kt::as_text(kt::encode_png(frame.depth))));
+  seed(folder, "png", "\5" + std::string(kt::as_text(kt::encode_png(frame.colour))));
+  seed(folder, "jpeg", "\5" + std::string(kt::as_text(kt::encode_jpeg(frame.colour, 90))));
 }
 
 void text_seeds(const fs::path& folder) {

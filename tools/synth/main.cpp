@@ -28,6 +28,9 @@ int main(int argc, char** argv) {
   app.add_option("--downscale", options.downscale, "divide the image size by this; same field of view")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
+  app.add_option("--draw", options.draw,
+                 "another number: the same scene and path with another draw of the noise")
+      ->capture_default_str();
   app.add_flag("--odometry", odometry,
                "write odometry.txt too: the motion as wheels would measure it, 50 Hz, with drift");
   app.add_flag("--no-surface", no_surface, "leave out surface.ply, surface_seen.ply and surface_colours.ply");

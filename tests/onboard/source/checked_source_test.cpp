@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
-#include <sstream>
 
 #include "tests/onboard/source/small_frames.h"
+#include "tests/onboard/source/source_story.h"
 #include "tests/support/test_files.h"
 
 namespace kt {
@@ -118,35 +118,6 @@ TEST(CheckedSource, ARealPauseCostsNoFrame) {
   EXPECT_EQ(pass_stamps({100, 200, 300, 301}), (Passed{{100, 200, 300, 301}, 0}));
   EXPECT_EQ(pass_stamps({100}), (Passed{{100}, 0}));
   EXPECT_EQ(pass_stamps({}), (Passed{{}, 0}));
-}
-
-MotionSample sample_at(double stamp_s) {
-  MotionSample sample;
-  sample.timestamp_us = std::llround(stamp_s * 1e6);
-  sample.rotation_sigma = sample.translation_sigma = 0.02;
-  return sample;
-}
-
-/// Reads `source` to its end: "f100 m100.5 -m M ..." for frames and samples that pass, and -f, -m for skipped
-/// ones.
-std::string story_of(FrameSource& source) {
-  std::string story;
-  int64_t samples = 0;
-  for (SourceItem item = source.next(); item.kind != Kind::kEnd; item = source.next()) {
-    std::ostringstream text;
-    if (item.kind == Kind::kFrame) text << "f" << static_cast<double>(item.frame.timestamp_us) * 1e-6;
-    if (item.kind == Kind::kSkipped) text << "-f";
-    if (item.kind == Kind::kSkippedMotion) text << "-m";
-    if (item.kind == Kind::kInterrupted) text << "!";
-    if (item.kind == Kind::kMotion) {
-      text << "m" << static_cast<double>(item.motion.timestamp_us) * 1e-6;
-      EXPECT_EQ(item.motion.sequence, samples++);
-    }
-    EXPECT_EQ(item.reason.empty(), item.kind == Kind::kFrame || item.kind == Kind::kMotion);
-    story += (story.empty() ? "" : " ") + text.str();
-  }
-  EXPECT_EQ(source.next().kind, Kind::kEnd);
-  return story;
 }
 
 /// The story of frames (positive numbers) and samples (negative ones) at these stamps (s).

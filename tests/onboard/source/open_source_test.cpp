@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
-#include <sstream>
 
 #include "onboard/source/frame_source.h"
 #include "shared/io/calibration_file.h"
@@ -17,6 +16,7 @@
 #include "shared/wire/event_log.h"
 #include "shared/wire/frame_codec.h"
 #include "tests/onboard/source/small_frames.h"
+#include "tests/onboard/source/source_story.h"
 #include "tests/support/test_files.h"
 
 namespace kt {

@@ -12,7 +12,7 @@
 #include "onboard/source/camera_source.h"
 #include "onboard/source/v4l2_pixels.h"
 #include "onboard/source/v4l2_stream.h"
-#include "shared/io/image_file.h"
+#include "shared/io/jpeg_codec.h"
 #include "tests/onboard/source/simulated_v4l2.h"
 #include "tests/support/test_files.h"
 
@@ -224,7 +224,7 @@ TEST(V4l2Pixels, YuyvIsVideoRangeBt601) {
 }
 
 TEST(V4l2Pixels, MjpegIsDecodedAndItsSizeChecked) {
-  const std::vector<uint8_t> bytes = encode_colour_jpeg(Image<Rgb8>(kWidth, kHeight, Rgb8{200, 100, 50}));
+  const std::vector<uint8_t> bytes = encode_jpeg(Image<Rgb8>(kWidth, kHeight, Rgb8{200, 100, 50}));
   const Image<Rgb8> image = colour_image({PixelFormat::kMjpeg, {kWidth, kHeight}, 0, 33'333}, bytes);
   EXPECT_NEAR(image(5, 5).r, 200, 3);
   EXPECT_THAT(error_of([&] {

@@ -232,6 +232,20 @@ TEST(SyntheticMission, ExposureDriftsSlowlyWithinItsBounds) {
   EXPECT_GT(high - low, 0.2);
 }
 
+TEST(SyntheticMission, AnotherDrawChangesTheNoiseAlone) {
+  SynthOptions small{.downscale = 8, .threads = 1};
+  const SyntheticMission first("room", small);
+  small.draw = 1;
+  const SyntheticMission second("room", small);
+  EXPECT_NE(second.render(3).depth, first.render(3).depth);
+  EXPECT_NE(second.render(3).colour, first.render(3).colour);
+  EXPECT_EQ(second.groundtruth()[3].T_odom_camera.matrix(), first.groundtruth()[3].T_odom_camera.matrix());
+  small.noise = small.exposure_drift = false;
+  const SyntheticMission exact("room", small);
+  small.draw = 0;
+  EXPECT_EQ(exact.render(3).depth, SyntheticMission("room", small).render(3).depth);
+}
+
 TEST(SyntheticMission, AutomaticExposureFollowsWhatIsInView) {
   const SynthOptions small{.noise = false, .exposure_drift = false, .downscale = 8, .threads = 1};
   SynthOptions following = small;
