@@ -142,7 +142,7 @@ TEST(PhotometricReference, AtItsOwnPoseResidualsVanish) {
   EXPECT_TRUE(reference.is_empty());
   reference.take(maps, model);
   for (int level = 0; level < 2; ++level) {
-    EXPECT_GT(reference.point_count(level), 100) << level;
+    EXPECT_GT(reference.point_count(level), 50) << level;
     const PhotometricResidual residual = reference.residual(maps, level, T, Pose::Identity(), {}, 5.0f);
     int seen = 0;
     for (int64_t i = 0; i < reference.point_count(level); ++i) {
