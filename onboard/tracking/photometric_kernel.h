@@ -159,26 +159,22 @@ struct RatePhotometricPoint {
     if (middle.z <= 0.05f) return;
     const Vec3f c = shutter.to_row(middle, camera.project_v(middle));
     const float at_u = camera.project_u(c), at_v = camera.project_v(c);
-    float level, by_u, by_v;
-    if (!intensity.sample(at_u, at_v, &level, &by_u, &by_v) || !has_gradient(at_u, at_v)) return;
-    candidates[i] = {p.x, p.y, p.z, level};
+    // Differences about the pixel, not to one side of it: these would pick the pixels on one flank of each
+    // line, whose curvature, blurred where later frames are interpolated, pulls every frame the same way.
+    const float u_around[5] = {at_u, at_u + 1.0f, at_u - 1.0f, at_u, at_u};
+    const float v_around[5] = {at_v, at_v, at_v, at_v + 1.0f, at_v - 1.0f};
+    IntensityView::Samples<5> seen;
+    intensity.sample(u_around, v_around, &seen);
+    for (int k = 0; k < 5; ++k) {
+      if (!seen.shown[k]) return;
+    }
+    const float by_u = 0.5f * (seen.level[1] - seen.level[2]), by_v = 0.5f * (seen.level[3] - seen.level[4]);
+    if (by_u * by_u + by_v * by_v < min_gradient * min_gradient) return;
+    candidates[i] = {p.x, p.y, p.z, seen.level[0]};
     picked[i] = 1;
   }
 
  private:
-  // By differences about the pixel, not to one side of it: these would pick the pixels on one flank of each
-  // line, whose curvature, blurred where later frames are interpolated, pulls every frame the same way.
-  KT_HOST_DEVICE bool has_gradient(float at_u, float at_v) const {
-    const float u[4] = {at_u + 1.0f, at_u - 1.0f, at_u, at_u};
-    const float v[4] = {at_v, at_v, at_v + 1.0f, at_v - 1.0f};
-    IntensityView::Samples<4> around;
-    intensity.sample(u, v, &around);
-    const float by_u = 0.5f * (around.level[0] - around.level[1]),
-                by_v = 0.5f * (around.level[2] - around.level[3]);
-    const bool shown = around.shown[0] & around.shown[1] & around.shown[2] & around.shown[3];
-    return shown && by_u * by_u + by_v * by_v >= min_gradient * min_gradient;
-  }
-
   // Where depth breaks off, nobody knows on which side of it a gradient lies.
   KT_HOST_DEVICE bool is_beside_edge(int u, int v, float z) const {
     constexpr int kReach = 3;

@@ -20,8 +20,7 @@ Image<uint16_t> decode_grey_png(std::span<const uint8_t> bytes, const ImageHeade
 Image<Rgb8> decode_colour_png(std::span<const uint8_t> bytes, const ImageHeader& header,
                               const std::string& name);
 
-/// Lossless, and set for speed: neighbour differences and run lengths take half the time of choosing a filter
-/// for each row, for 5 % more bytes of depth.
+/// Lossless, and set for speed: neighbour differences and run lengths, no choice of a filter for each row.
 std::vector<uint8_t> encode_png(const Image<uint16_t>& grey);
 std::vector<uint8_t> encode_png(const Image<Rgb8>& colour);
 

@@ -23,6 +23,14 @@ std::string statistics_line(const char* what, const Statistics& s, double factor
                    factor * s.rmse, factor * s.mean, factor * s.median, factor * s.p95, factor * s.max, unit);
 }
 
+nlohmann::ordered_json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+std::string bias_line(const RelativePoseError& rpe) {
+  const Eigen::Vector3d t_mm = 1000 * rpe.mean_translation_m, r_mrad = 1000 * rpe.mean_rotation_rad;
+  return formatted("%-22s x %.3f y %.3f z %.3f mm, x %.3f y %.3f z %.3f mrad\n", "RPE bias", t_mm.x(),
+                   t_mm.y(), t_mm.z(), r_mrad.x(), r_mrad.y(), r_mrad.z());
+}
+
 nlohmann::ordered_json nees_json(const Statistics& s) {
   return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}};
 }
@@ -89,6 +97,8 @@ nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate,
   if (rpe) {
     json["rpe"] = {{"translation", statistics_json(rpe->translation_m, "m")},
                    {"rotation", statistics_json(rpe->rotation_deg, "deg")},
+                   {"mean_translation_m", vector_json(rpe->mean_translation_m)},
+                   {"mean_rotation_rad", vector_json(rpe->mean_rotation_rad)},
                    {"pairs", rpe->pairs}};
   }
   json["consistency"] = consistency_json(consistency);
@@ -181,7 +191,7 @@ nlohmann::ordered_json loops_json(const LoopEvaluation& loops) {
 std::string trajectory_text(const AbsoluteTrajectoryError& ate, const std::optional<RelativePoseError>& rpe) {
   return statistics_line("ATE", ate.translation_m, 1000, "mm") +
          (rpe ? statistics_line("RPE translation", rpe->translation_m, 1000, "mm") +
-                    statistics_line("RPE rotation", rpe->rotation_deg, 1, "deg")
+                    statistics_line("RPE rotation", rpe->rotation_deg, 1, "deg") + bias_line(*rpe)
               : formatted("%-22s –  (too few spans of --delta)\n", "RPE")) +
          formatted(
              "%-22s %zu pairs, %.1f %% of the estimate's poses; %.1f %% of the ground truth is covered\n",

@@ -16,9 +16,10 @@
 
 namespace kt {
 
-/// {"ate": {"rmse_m", ..., "pairs"}, "rpe": {"translation": {...}, "rotation": {...}, "pairs"},
-/// "consistency": {"pose": {"mean", "median", "p95"}, "rotation": {...}, "translation": {...}, "pairs",
-/// "pairs_left_out"}, "coverage": {...}}; "rpe" and "consistency" are null where there is none
+/// {"ate": {"rmse_m", ..., "pairs"}, "rpe": {"translation": {...}, "rotation": {...},
+/// "mean_translation_m": [x, y, z], "mean_rotation_rad": [x, y, z], "pairs"}, "consistency": {"pose":
+/// {"mean", "median", "p95"}, "rotation": {...}, "translation": {...}, "pairs", "pairs_left_out"},
+/// "coverage": {...}}; "rpe" and "consistency" are null where there is none
 nlohmann::ordered_json trajectory_json(const AbsoluteTrajectoryError& ate,
                                        const std::optional<RelativePoseError>& rpe,
                                        const std::optional<Consistency>& consistency = {});

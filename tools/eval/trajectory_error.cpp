@@ -173,13 +173,17 @@ std::optional<RelativePoseError> relative_pose_error(const Trajectory& groundtru
                                                      const Trajectory& estimate, double delta,
                                                      DeltaUnit unit) {
   std::vector<double> translations_m, rotations_deg;
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero(), rotation = Eigen::Vector3d::Zero();  // sums
   for (const RelativeError& error : relative_errors(groundtruth, estimate, delta, unit)) {
     translations_m.push_back(error.E.translation().norm());
     rotations_deg.push_back(rotation_angle(error.E) * 180 / std::numbers::pi);
+    translation += error.E.translation();
+    rotation += log_so3(error.E.linear());
   }
   if (translations_m.size() < 2) return std::nullopt;
-  return RelativePoseError{summarise(translations_m), summarise(rotations_deg),
-                           static_cast<int64_t>(translations_m.size())};
+  const auto pairs = static_cast<double>(translations_m.size());
+  return RelativePoseError{summarise(translations_m), summarise(rotations_deg), translation / pairs,
+                           rotation / pairs, static_cast<int64_t>(translations_m.size())};
 }
 
 }  // namespace kt

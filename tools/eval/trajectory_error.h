@@ -56,6 +56,8 @@ std::vector<RelativeError> relative_errors(const Trajectory& groundtruth, const 
 /// Summary of relative_errors.
 struct RelativePoseError {
   Statistics translation_m, rotation_deg;
+  /// Mean error of each axis of the camera that a span begins at: what does not average out is a bias.
+  Eigen::Vector3d mean_translation_m, mean_rotation_rad;
   int64_t pairs = 0;
 };
 

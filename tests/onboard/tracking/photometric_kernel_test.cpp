@@ -155,6 +155,43 @@ TEST(PhotometricReference, AtItsOwnPoseResidualsVanish) {
   }
 }
 
+// A cross of blurred lines, alike on both sides: what is picked must be too, or all of it pulls one way.
+TEST(RatePhotometricPoint, PicksBothFlanksOfALine) {
+  constexpr int kMiddleU = 80, kMiddleV = 60;
+  std::vector<float> levels;
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u)
+      levels.push_back(100 * std::exp(-0.3f * std::pow(static_cast<float>(u - kMiddleU), 2.0f)) +
+                       100 * std::exp(-0.3f * std::pow(static_cast<float>(v - kMiddleV), 2.0f)));
+  }
+  const std::vector<float> depth_m(static_cast<size_t>(DepthView::padded_size(kWidth, kHeight)), 2.0f);
+  const std::vector<Vec4f> no_model(levels.size(), Vec4f{});
+  std::vector<Vec4f> candidates(levels.size());
+  std::vector<uint8_t> picked(levels.size());
+  const RatePhotometricPoint rate{no_model.data(),
+                                  {depth_m.data(), kWidth, kHeight},
+                                  kCamera,
+                                  1,
+                                  to_rigid3f(Pose::Identity()),
+                                  {levels.data(), kWidth, kHeight},
+                                  kCamera,
+                                  4.0f,
+                                  candidates.data(),
+                                  picked.data()};
+  for (int64_t i = 0; i < kWidth * kHeight; ++i) rate(i);
+  const auto is_picked = [&](int u, int v) { return picked[static_cast<size_t>(v * kWidth + u)] != 0; };
+  int count = 0;
+  for (int dv = -50; dv <= 50; ++dv) {
+    for (int du = -50; du <= 50; ++du) {
+      const int u = kMiddleU + du, v = kMiddleV + dv;
+      count += is_picked(u, v);
+      EXPECT_EQ(is_picked(u, v), is_picked(kMiddleU - du, v)) << u << " " << v;
+      EXPECT_EQ(is_picked(u, v), is_picked(u, kMiddleV - dv)) << u << " " << v;
+    }
+  }
+  EXPECT_GT(count, 500);
+}
+
 TEST(PhotometricReference, TakesNoPointsWithoutTextureOrColour) {
   const Calibration calibration = small_calibration();
   const exec::Device device = exec::Device::cpu(1);

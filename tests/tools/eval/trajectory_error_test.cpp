@@ -109,6 +109,9 @@ TEST(RelativePoseError, AConstantDriftShowsPerSpan) {
   EXPECT_NEAR(rpe->rotation_deg.mean, drift_rad * 180 / std::numbers::pi, 1e-9);
   EXPECT_NEAR(rpe->rotation_deg.max, drift_rad * 180 / std::numbers::pi, 1e-6);
   EXPECT_LT(rpe->translation_m.max, 1e-9 + 2 * drift_rad);
+  // A span begins one frame before its extra turn: the axis has turned by that frame's motion.
+  EXPECT_NEAR(rpe->mean_rotation_rad.y(), drift_rad, 0.02 * drift_rad);
+  EXPECT_LT(Eigen::Vector2d(rpe->mean_rotation_rad.x(), rpe->mean_rotation_rad.z()).norm(), 0.2 * drift_rad);
   EXPECT_LT(relative_pose_error(truth, moved(truth, kElsewhere)).value().translation_m.max, 1e-11);
 }
 
