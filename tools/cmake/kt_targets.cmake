@@ -123,5 +123,7 @@ function(kt_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE kt_flags ${ARG_DEPS} GTest::gtest GTest::gmock GTest::gtest_main)
+  # What is tested is optimised in its library; the tests themselves compile in two thirds of the time so.
+  target_compile_options(${name} PRIVATE $<$<AND:$<CONFIG:Release>,$<COMPILE_LANGUAGE:CXX>>:-O1>)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${ARG_TIMEOUT})
 endfunction()
