@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <condition_variable>
-#include <deque>
 #include <exception>
 #include <mutex>
 #include <optional>
@@ -12,6 +11,7 @@
 #include <thread>
 
 #include "onboard/source/frame_source.h"
+#include "shared/core/recycling.h"
 
 namespace kt {
 
@@ -32,7 +32,10 @@ class FrameQueue {
   explicit FrameQueue(FrameSource& source)
       : FrameQueue(source, source.is_live() ? kMostLiveFrames : kReadAhead) {}
   FrameQueue(FrameSource& source, size_t capacity)
-      : source_(source), is_live_(source.is_live()), capacity_(capacity), thread_([this] { read(); }) {}
+      : source_(source), is_live_(source.is_live()), capacity_(capacity) {
+    stock(items_, capacity_);
+    thread_ = std::thread([this] { read(); });
+  }
   ~FrameQueue() {
     {
       const std::lock_guard lock(mutex_);
@@ -114,12 +117,12 @@ class FrameQueue {
   const size_t capacity_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<SourceItem> items_;
+  RecycledQueue<SourceItem> items_;
   size_t waiting_ = 0;  // items that are counted, of items_
   int64_t delivered_ = 0, dropped_ = 0;
   bool stopping_ = false;
   std::exception_ptr failure_;
-  std::thread thread_;  // last: it uses all of the above
+  std::thread thread_;
 };
 
 }  // namespace kt

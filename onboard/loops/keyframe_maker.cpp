@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "onboard/loops/corner_extractor.h"
 #include "onboard/loops/surf_extractor.h"
@@ -100,9 +101,11 @@ KeyframeMaker::KeyframeMaker(const Calibration& calibration, PlaceFeature featur
 KeyframeImages KeyframeMaker::images_of(const FrameMaps& maps, const Image<Rgb8>& colour,
                                         const StampedPose& pose, const FrameMotion& motion) {
   const IntensityLevel& intensity = maps.intensity.level(0);
+  Image<float> levels(intensity.camera.width, intensity.camera.height);
+  intensity.levels.download(levels.pixels());
   return {pose,
           motion,
-          {intensity.camera.width, intensity.camera.height, intensity.levels.downloaded()},
+          std::move(levels),
           maps.levels[1].depth.downloaded(),
           in_millimetres(maps.levels[2]),
           thumbnail_of(colour)};

@@ -178,7 +178,7 @@ void LcmSink::send(const T& message, std::unique_lock<std::mutex>& lock) {
   size_t bytes = 0;
   bool sent = false;
   try {
-    const std::vector<uint8_t> data = encode(message, sequence);
+    const MessageBytes data = encode(message, sequence);
     bytes = data.size();
     sent = bus_->publish(channel_of<T>(), data);
   } catch (const std::exception&) {

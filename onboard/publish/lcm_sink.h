@@ -5,7 +5,6 @@
 #include <array>
 #include <chrono>
 #include <condition_variable>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "onboard/publish/message_sink.h"
+#include "shared/core/recycling.h"
 #include "shared/wire/channels.h"
 #include "shared/wire/lcm_bus.h"
 
@@ -92,10 +92,10 @@ class LcmSink final : public MessageSink {
 
   mutable std::mutex mutex_;  ///< guards all of the following
   std::condition_variable changed_;
-  std::deque<Small> small_;
-  std::deque<Large> large_;
-  size_t large_bytes_ = 0;        ///< of large_
-  std::deque<CloudSlice> parts_;  ///< of the slice that is being sent
+  RecycledQueue<Small> small_;
+  RecycledQueue<Large> large_;
+  size_t large_bytes_ = 0;           ///< of large_
+  RecycledQueue<CloudSlice> parts_;  ///< of the slice that is being sent
   Clock::time_point next_large_{};
   SessionHeader session_;  ///< changed by the caller's thread alone, which may read it without the lock
   Clock::time_point next_session_ = Clock::time_point::max();  ///< when it goes out again

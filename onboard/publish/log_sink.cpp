@@ -3,7 +3,6 @@
 #include "onboard/publish/log_sink.h"
 
 #include <condition_variable>
-#include <deque>
 #include <exception>
 #include <mutex>
 #include <optional>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "shared/core/check.h"
+#include "shared/core/recycling.h"
 
 namespace kt {
 namespace {
@@ -27,14 +27,16 @@ constexpr std::chrono::milliseconds kLookForEnd{50};
 
 struct LogSink::Queue {
   Queue(const std::filesystem::path& path, const Options& options, const End& the_end)
-      : end(the_end), store(path, options) {}
+      : end(the_end), store(path, options) {
+    stock(items, kQueueCapacity);
+  }
 
   const End end;
   LogStore store;  ///< the thread's alone
 
   std::mutex mutex;  ///< guards what follows
   std::condition_variable changed;
-  std::deque<LogItem> items;
+  RecycledQueue<LogItem> items;
   StorageState state;
   Clock::duration waited{0};  ///< since the end was called
   bool stopping = false, is_late = false, is_done = false;

@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <deque>
-
 #include "onboard/source/camera_device.h"
 #include "onboard/source/frame_pairing.h"
 #include "onboard/source/frame_source.h"
 #include "onboard/source/stamp_clock.h"
+#include "shared/core/recycling.h"
 
 namespace kt {
 
@@ -53,7 +52,7 @@ class CameraSource final : public FrameSource {
   StampClock stamps_;
   std::optional<int64_t> last_counter_;  ///< of the depth stream
   int64_t depth_images_ = 0;             ///< read and dropped
-  std::deque<SourceItem> ready_;
+  RecycledQueue<SourceItem> ready_;
   std::chrono::milliseconds silence_{0};  ///< since the last image
   bool is_at_end_ = false;
   std::chrono::milliseconds patience_{0}, until_next_try_{0}, until_report_{0};  ///< while it is gone

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "shared/core/check.h"
+#include "shared/core/recycling.h"
 #include "shared/types/timestamp.h"
 #include "shared/wire/validity.h"
 
@@ -83,7 +84,7 @@ SourceItem CheckedSource::next() {
 }
 
 void CheckedSource::keep_sample(const MotionSample& sample) {
-  std::deque<MotionSample>& samples = held_ || set_back_ ? samples_behind_held_ : samples_;
+  RecycledQueue<MotionSample>& samples = held_ || set_back_ ? samples_behind_held_ : samples_;
   samples.push_back(sample);
   if (samples.size() <= kMaxWaitingSamples) return;
   ready_.push_back({.kind = SourceItem::Kind::kSkippedMotion,
@@ -161,10 +162,10 @@ void CheckedSource::set_back_clock() {
   const int64_t last_us = *last_us_, first_us = first.timestamp_us;
   const int64_t step_us = last_us + kUnknownPause_us - first_us;
   clock_offset_us_ += step_us;
-  std::deque<MotionSample> waiting = std::exchange(samples_, {}),
-                           behind = std::exchange(samples_behind_held_, {});
+  RecycledQueue<MotionSample> waiting = std::exchange(samples_, {}),
+                              behind = std::exchange(samples_behind_held_, {});
   std::move(behind.begin(), behind.end(), std::back_inserter(waiting));
-  std::deque<MotionSample> before_first, after_first;  // and in samples_ those of the old clock
+  RecycledQueue<MotionSample> before_first, after_first;  // and in samples_ those of the old clock
   for (MotionSample& sample : waiting) {
     const bool is_old = std::abs(sample.timestamp_us - last_us) < std::abs(sample.timestamp_us - first_us);
     const bool is_after = sample.timestamp_us > first_us;

@@ -3,11 +3,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <deque>
 #include <memory>
 #include <optional>
 
 #include "onboard/source/frame_source.h"
+#include "shared/core/recycling.h"
 
 namespace kt {
 
@@ -69,11 +69,12 @@ class CheckedSource final : public FrameSource {
   std::optional<RgbdFrame> held_;      ///< waits for the next frame to confirm its stamp
   std::optional<RgbdFrame> set_back_;  ///< the same, of one that lies before the last
   int64_t clock_offset_us_ = 0;        ///< of the mission's time to the frames' clock
-  std::deque<MotionSample> samples_;   ///< read since the last frame that passed, before held_ and set_back_
-  std::deque<MotionSample> samples_behind_held_;
+  RecycledQueue<MotionSample>
+      samples_;  ///< read since the last frame that passed, before held_ and set_back_
+  RecycledQueue<MotionSample> samples_behind_held_;
   int64_t delivered_samples_ = 0;
   std::optional<MotionSample> last_sample_;  ///< that passed
-  std::deque<SourceItem> ready_;  ///< judged but not yet handed out: three frames at most, and samples
+  RecycledQueue<SourceItem> ready_;  ///< judged but not yet handed out: three frames at most, and samples
 };
 
 }  // namespace kt

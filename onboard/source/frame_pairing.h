@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <deque>
 #include <optional>
 #include <string>
 
 #include "onboard/source/camera_device.h"
 #include "onboard/source/frame_source.h"
+#include "shared/core/recycling.h"
 
 namespace kt {
 
@@ -42,8 +42,8 @@ class FramePairing {
 
   bool has_colour_;
   int64_t tolerance_us_, sure_us_, patience_us_;
-  std::deque<Waiting<Image<uint16_t>>> depth_;
-  std::deque<Waiting<Image<Rgb8>>> colour_;
+  RecycledQueue<Waiting<Image<uint16_t>>> depth_;
+  RecycledQueue<Waiting<Image<Rgb8>>> colour_;
   std::string damage_;
 };
 

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <chrono>
-#include <deque>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "onboard/source/bare_sources.h"
 #include "shared/core/check.h"
+#include "shared/core/recycling.h"
 #include "shared/wire/codec.h"
 #include "shared/wire/frame_codec.h"
 #include "shared/wire/lcm_bus.h"
@@ -171,8 +171,8 @@ class Intake {
   std::shared_ptr<LcmBus> bus_;
   std::string name_;
   milliseconds longest_wait_;
-  std::deque<Arrival> arrivals_;  ///< not yet handed out
-  int waiting_frames_ = 0;        ///< among them
+  RecycledQueue<Arrival> arrivals_;  ///< not yet handed out
+  int waiting_frames_ = 0;           ///< among them
   Gaps frames_, samples_;
   std::optional<Calibration> calibration_;
   bool heeds_sessions_ = false;  ///< the calibration in use is the one of the bus

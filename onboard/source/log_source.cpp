@@ -1,7 +1,6 @@
 // Frames and motion samples recorded earlier: those messages of a log.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <deque>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,6 +8,7 @@
 
 #include "onboard/source/bare_sources.h"
 #include "shared/core/check.h"
+#include "shared/core/recycling.h"
 #include "shared/wire/frame_codec.h"
 #include "shared/wire/message_reader.h"
 
@@ -109,7 +109,7 @@ class LogSource final : public FrameSource {
   std::string name_;
   MessageReader reader_;
   std::optional<CompressedFrame> frame_;  ///< read but not yet handed out
-  std::deque<SourceItem> before_;         ///< read before it, to be handed out first
+  RecycledQueue<SourceItem> before_;      ///< read before it, to be handed out first
   int64_t missing_motion_ = 0;            ///< as the reader counts them, so far
   int64_t lost_ = 0;                      ///< frames before it, or before the end, still to be reported
   std::string reason_;                    ///< of those

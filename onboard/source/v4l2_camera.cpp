@@ -41,8 +41,6 @@ class V4l2Camera final : public CameraDevice {
 
   CameraEvent read(milliseconds timeout) override {
     const int64_t end_us = system_.monotonic_us() + 1000 * timeout.count();
-    std::vector<const V4l2Stream*> streams = {depth_.get()};
-    if (colour_) streams.push_back(colour_.get());
     for (int64_t left_us = 1000 * timeout.count(); left_us >= 0; left_us = end_us - system_.monotonic_us()) {
       // By turns, so that neither starves the other.
       is_depth_next_ = !is_depth_next_;
@@ -51,7 +49,7 @@ class V4l2Camera final : public CameraDevice {
         V4l2Stream& stream = is_depth ? *depth_ : *colour_;
         if (const auto image = stream.read()) return event(stream, *image, is_depth);
       }
-      wait_for_image(system_, streams, milliseconds(left_us / 1000 + 1));
+      wait_for_image(system_, *depth_, colour_.get(), milliseconds(left_us / 1000 + 1));
     }
     return {};
   }

@@ -263,13 +263,15 @@ std::vector<std::string> v4l2_modes(V4l2System& system, const std::string& path,
   return texts;
 }
 
-void wait_for_image(V4l2System& system, const std::vector<const V4l2Stream*>& streams,
+void wait_for_image(V4l2System& system, const V4l2Stream& stream, const V4l2Stream* other,
                     std::chrono::milliseconds timeout) {
-  std::vector<pollfd> files;
-  for (const V4l2Stream* stream : streams) files.push_back({stream->descriptor(), POLLIN, 0});
-  if (system.poll(files.data(), files.size(), static_cast<int>(timeout.count())) < 0)
-    throw Error(streams.front()->path() + ": waiting failed: " + std::strerror(errno));
-  for (size_t i = 0; i < files.size(); ++i) {
+  const std::array<const V4l2Stream*, 2> streams = {&stream, other};
+  const size_t count = other ? 2 : 1;
+  std::array<pollfd, 2> files{};
+  for (size_t i = 0; i < count; ++i) files[i] = {streams[i]->descriptor(), POLLIN, 0};
+  if (system.poll(files.data(), count, static_cast<int>(timeout.count())) < 0)
+    throw Error(stream.path() + ": waiting failed: " + std::strerror(errno));
+  for (size_t i = 0; i < count; ++i) {
     if ((files[i].revents & (POLLERR | POLLHUP | POLLNVAL)) != 0)
       throw Error(streams[i]->path() + ": unplugged");
   }

@@ -87,7 +87,8 @@ class V4l2Stream {
 std::vector<std::string> v4l2_modes(V4l2System& system, const std::string& path, std::string* model);
 
 /// Waits until one of the streams has an image, or the time is over; throws kt::Error where one is gone.
-void wait_for_image(V4l2System& system, const std::vector<const V4l2Stream*>& streams,
+/// `other` may be null.
+void wait_for_image(V4l2System& system, const V4l2Stream& stream, const V4l2Stream* other,
                     std::chrono::milliseconds timeout);
 
 }  // namespace kt

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "shared/core/check.h"
 #include "shared/core/host_device.h"
+#include "shared/core/recycling.h"
 
 namespace kt {
 
@@ -29,7 +29,7 @@ class Image {
   Image() = default;
   Image(int width, int height, T value = T{})
       : width_(width), height_(height), pixels_(checked_count(width, height), value) {}
-  Image(int width, int height, std::vector<T> pixels)
+  Image(int width, int height, RecycledVector<T> pixels)
       : width_(width), height_(height), pixels_(std::move(pixels)) {
     KT_CHECK(pixels_.size() == checked_count(width, height), "pixel count differs from width x height");
   }
@@ -54,7 +54,7 @@ class Image {
     return static_cast<size_t>(width) * static_cast<size_t>(height);
   }
   int width_ = 0, height_ = 0;
-  std::vector<T> pixels_;
+  RecycledVector<T> pixels_;
 };
 
 }  // namespace kt

@@ -60,7 +60,7 @@ std::vector<uint8_t> content_of(std::span<const uint8_t> bytes) {
   return content;
 }
 
-std::vector<uint8_t> encode(const SessionHeader& session, int64_t message_sequence) {
+MessageBytes encode(const SessionHeader& session, int64_t message_sequence) {
   check_valid(session, message_sequence);
   kintsugi::session_t message{};
   message.format_version = session.format_version;
@@ -102,7 +102,7 @@ DecodeStatus decode(std::span<const uint8_t> bytes, SessionHeader& session) {
   return accept(std::move(value), session);
 }
 
-std::vector<uint8_t> encode(const StampedPose& pose, int64_t message_sequence) {
+MessageBytes encode(const StampedPose& pose, int64_t message_sequence) {
   check_valid(pose, message_sequence);
   kintsugi::pose_t message{};
   message.frame = pose.sequence;
@@ -139,7 +139,7 @@ DecodeStatus decode(std::span<const uint8_t> bytes, StampedPose& pose) {
                 pose);
 }
 
-std::vector<uint8_t> encode(const CloudSlice& slice, int64_t message_sequence) {
+MessageBytes encode(const CloudSlice& slice, int64_t message_sequence) {
   check_valid(slice, message_sequence);
   kintsugi::cloud_slice_t message{};
   message.slice = slice.sequence;
@@ -202,7 +202,7 @@ DecodeStatus decode(std::span<const uint8_t> bytes, CloudSlice& slice) {
   return accept(std::move(value), slice);
 }
 
-std::vector<uint8_t> encode(const CompressedFrame& frame, int64_t message_sequence) {
+MessageBytes encode(const CompressedFrame& frame, int64_t message_sequence) {
   check_valid(frame, message_sequence);
   kintsugi::rgbd_frame_t message{};
   message.frame = frame.sequence;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "shared/core/recycling.h"
 #include "shared/wire/channels.h"
 
 namespace kt {
@@ -27,20 +28,22 @@ enum class DecodeStatus {
 /// "ok", "wrong type", "wrong length", "bad checksum", "not finite" or "out of range".
 const char* to_string(DecodeStatus status);
 
+using MessageBytes = RecycledVector<uint8_t>;
+
 /// LCM bytes of a message; `message_sequence` counts the messages of its channel. The same input gives the
 /// same bytes. A value that decode would refuse is a bug of the caller (KT_CHECK), as is a message beyond
 /// kMaxMessageBytes.
-std::vector<uint8_t> encode(const SessionHeader& session, int64_t message_sequence);
-std::vector<uint8_t> encode(const StampedPose& pose, int64_t message_sequence);
-std::vector<uint8_t> encode(const CloudSlice& slice, int64_t message_sequence);
+MessageBytes encode(const SessionHeader& session, int64_t message_sequence);
+MessageBytes encode(const StampedPose& pose, int64_t message_sequence);
+MessageBytes encode(const CloudSlice& slice, int64_t message_sequence);
 /// Compresses the depth image, as decode unpacks it: a matter of a millisecond.
-std::vector<uint8_t> encode(const Keyframe& keyframe, int64_t message_sequence);
-std::vector<uint8_t> encode(const LoopClosure& loop, int64_t message_sequence);
-std::vector<uint8_t> encode(const MissionStatus& status, int64_t message_sequence);
-std::vector<uint8_t> encode(const CompressedFrame& frame, int64_t message_sequence);
-std::vector<uint8_t> encode(const MotionSample& sample, int64_t message_sequence);
-std::vector<uint8_t> encode(const LoadReport& load, int64_t message_sequence);
-std::vector<uint8_t> encode(const BodyPose& body, int64_t message_sequence);
+MessageBytes encode(const Keyframe& keyframe, int64_t message_sequence);
+MessageBytes encode(const LoopClosure& loop, int64_t message_sequence);
+MessageBytes encode(const MissionStatus& status, int64_t message_sequence);
+MessageBytes encode(const CompressedFrame& frame, int64_t message_sequence);
+MessageBytes encode(const MotionSample& sample, int64_t message_sequence);
+MessageBytes encode(const LoadReport& load, int64_t message_sequence);
+MessageBytes encode(const BodyPose& body, int64_t message_sequence);
 
 /// Decodes `bytes`, trusting nothing in them: every length is checked before memory is taken, every value
 /// before it is returned. The output is assigned only on kOk.

@@ -53,7 +53,7 @@ DecodeStatus decode_depth_image(const kintsugi::keyframe_t& message, Image<uint1
 
 }  // namespace
 
-std::vector<uint8_t> encode(const Keyframe& keyframe, int64_t message_sequence) {
+MessageBytes encode(const Keyframe& keyframe, int64_t message_sequence) {
   check_valid(keyframe, message_sequence);
   kintsugi::keyframe_t message{};
   message.frame = keyframe.sequence;
@@ -105,7 +105,7 @@ DecodeStatus decode(std::span<const uint8_t> bytes, Keyframe& keyframe) {
   return accept(std::move(value), keyframe);
 }
 
-std::vector<uint8_t> encode(const LoopClosure& loop, int64_t message_sequence) {
+MessageBytes encode(const LoopClosure& loop, int64_t message_sequence) {
   check_valid(loop, message_sequence);
   kintsugi::loop_closure_t message{};
   message.candidate = loop.sequence;

@@ -21,7 +21,7 @@ const MessageLayout kBodyPoseLayout{.fixed_bytes = 185};
 
 }  // namespace
 
-std::vector<uint8_t> encode(const MissionStatus& status, int64_t message_sequence) {
+MessageBytes encode(const MissionStatus& status, int64_t message_sequence) {
   check_valid(status, message_sequence);
   kintsugi::status_t message{};
   message.status = status.sequence;
@@ -82,7 +82,7 @@ DecodeStatus decode(std::span<const uint8_t> bytes, MissionStatus& status) {
   return accept(std::move(value), status);
 }
 
-std::vector<uint8_t> encode(const MotionSample& sample, int64_t message_sequence) {
+MessageBytes encode(const MotionSample& sample, int64_t message_sequence) {
   check_valid(sample, message_sequence);
   kintsugi::motion_t message{};
   message.sample = sample.sequence;
@@ -106,7 +106,7 @@ DecodeStatus decode(std::span<const uint8_t> bytes, MotionSample& sample) {
       sample);
 }
 
-std::vector<uint8_t> encode(const LoadReport& load, int64_t message_sequence) {
+MessageBytes encode(const LoadReport& load, int64_t message_sequence) {
   check_valid(load, message_sequence);
   kintsugi::load_t message{};
   message.load = load.sequence;
@@ -138,7 +138,7 @@ DecodeStatus decode(std::span<const uint8_t> bytes, LoadReport& load) {
   return accept(std::move(value), load);
 }
 
-std::vector<uint8_t> encode(const BodyPose& body, int64_t message_sequence) {
+MessageBytes encode(const BodyPose& body, int64_t message_sequence) {
   check_valid(body, message_sequence);
   kintsugi::body_pose_t message{};
   message.frame = body.sequence;

@@ -22,13 +22,13 @@ void check_valid(const T& value, int64_t message_sequence) {
 
 /// The bytes of a filled LCM message, its header and checksum written.
 template <typename Lcm>
-std::vector<uint8_t> seal(Lcm& message, const MessageLayout& layout, int64_t sequence, int64_t timestamp_us) {
+MessageBytes seal(Lcm& message, const MessageLayout& layout, int64_t sequence, int64_t timestamp_us) {
   message.header = {};
   message.header.sequence = sequence;
   message.header.timestamp_us = timestamp_us;
   const int size = message.getEncodedSize();
   KT_CHECK(size > 0 && size <= kMaxMessageBytes);
-  std::vector<uint8_t> bytes(static_cast<size_t>(size));
+  MessageBytes bytes(static_cast<size_t>(size));
   KT_CHECK(message.encode(bytes.data(), 0, size) == size);
   KT_CHECK(check_layout(bytes, layout) == DecodeStatus::kOk, "the layout differs from lcmtypes/");
   store_checksum(bytes);

@@ -17,7 +17,7 @@
 namespace kt {
 namespace {
 
-using Bytes = std::vector<uint8_t>;
+using Bytes = MessageBytes;
 
 int64_t inputs(int64_t by_default) {
   const char* text = std::getenv("KT_FUZZ_INPUTS");
@@ -136,7 +136,8 @@ TEST(Mutations, DamagedLogsGiveMessagesWithinTheirRangesOrNone) {
   EventLogWriter writer(folder / "a.lcm");
   for (const auto& [channel, message] : intact_messages()) writer.write(channel, 1000, message);
   writer.close();
-  const Bytes intact = read_bytes(folder / "a.lcm");
+  const std::vector<uint8_t> file = read_bytes(folder / "a.lcm");
+  const Bytes intact(file.begin(), file.end());
   const double before_mib = peak_memory_mib();
   int64_t messages = 0;
   const int64_t logs = inputs(20'000);

@@ -38,8 +38,7 @@ void log_seeds(const fs::path& folder) {
   fs::remove(folder / "whole");
   kt::EventLogWriter writer(folder / "whole");
   for (size_t i = 0; i < messages.size(); ++i) {
-    const std::vector<uint8_t> bytes =
-        std::visit([](const auto& m) { return kt::encode(m, 0); }, messages[i]);
+    const kt::MessageBytes bytes = std::visit([](const auto& m) { return kt::encode(m, 0); }, messages[i]);
     writer.write(kt::kChannels[messages[i].index()], 0, bytes);
     seed(folder, "message" + std::to_string(i), kt::as_text(bytes));
   }
@@ -52,7 +51,7 @@ void bus_seeds(const fs::path& folder) {
   for (int64_t i = 0; i < 3; ++i) {
     for (kt::Message message : kt::sample_messages()) {
       if (std::holds_alternative<kt::CompressedFrame>(message)) message = kt::compress(kt::small_frame(i));
-      const std::vector<uint8_t> bytes = std::visit([i](const auto& m) { return kt::encode(m, i); }, message);
+      const kt::MessageBytes bytes = std::visit([i](const auto& m) { return kt::encode(m, i); }, message);
       const std::string head = {static_cast<char>(message.index()), static_cast<char>(bytes.size() >> 8),
                                 static_cast<char>(bytes.size())};
       all += head + std::string(kt::as_text(bytes));

@@ -8,7 +8,6 @@
 #include "shared/core/version.h"
 #include "shared/synth/mission.h"
 #include "shared/wire/channels.h"
-#include "shared/wire/codec.h"
 #include "shared/wire/frame_codec.h"
 
 namespace kt {
@@ -20,7 +19,7 @@ LoopedMission::LoopedMission(const std::string& name, int64_t frames, int downsc
   for (int64_t i = 0; i < mission.frame_count(); ++i) frames_.push_back(compress(mission.render(i)));
 }
 
-std::vector<uint8_t> LoopedMission::message(int64_t i, double rate_hz) const {
+MessageBytes LoopedMission::message(int64_t i, double rate_hz) const {
   const auto count = static_cast<int64_t>(frames_.size()), last = count - 1;
   const int64_t phase = count > 1 ? i % (2 * last) : 0;
   CompressedFrame frame = frames_[static_cast<size_t>(phase <= last ? phase : 2 * last - phase)];

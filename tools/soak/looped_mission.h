@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "shared/types/session.h"
+#include "shared/wire/codec.h"
 #include "shared/wire/compressed_frame.h"
 #include "shared/wire/lcm_bus.h"
 
@@ -23,7 +24,7 @@ class LoopedMission {
 
   const SessionHeader& session() const { return session_; }
   /// The LCM message of the i-th frame of the endless mission, stamped at `rate_hz`.
-  std::vector<uint8_t> message(int64_t i, double rate_hz) const;
+  MessageBytes message(int64_t i, double rate_hz) const;
 
  private:
   SessionHeader session_;

@@ -20,7 +20,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using Kind = SourceItem::Kind;
-using Bytes = std::vector<uint8_t>;
+using Bytes = MessageBytes;
 
 constexpr std::chrono::milliseconds kNoWait{0};
 

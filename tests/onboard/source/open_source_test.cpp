@@ -179,7 +179,7 @@ TEST(OpenSource, ReplaysTheMotionSamplesOfALogInTheirPlaces) {
                      encode(compress(small_frame(stamp_us)), frames++));
         continue;
       }
-      std::vector<uint8_t> message = encode(sample_at(-stamp_s), samples++);
+      MessageBytes message = encode(sample_at(-stamp_s), samples++);
       if (stamp_s == -11.5) message[100] ^= 1;
       writer.write(channel_of<MotionSample>(), stamp_us, message);
     }

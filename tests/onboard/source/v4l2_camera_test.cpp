@@ -196,7 +196,7 @@ TEST(V4l2Simulated, UnpluggedWhileItWaits) {
   EXPECT_GE(rig.system.now_us, 1'050'000);
   const V4l2Stream stream(rig.system, "/dev/video0", {{PixelFormat::kZ16}, {64, 48}, 30});
   rig.system.unplug();
-  EXPECT_THAT(error_of([&] { wait_for_image(rig.system, {&stream}, milliseconds(50)); }),
+  EXPECT_THAT(error_of([&] { wait_for_image(rig.system, stream, nullptr, milliseconds(50)); }),
               HasSubstr("unplugged"));
 }
 
@@ -253,7 +253,7 @@ TEST(V4l2Vivid, StreamsThroughTheKernel) {
       EXPECT_EQ(colour_image(stream.format(), image->bytes).width(), 640);
       images.push_back(*image);
     } else {
-      wait_for_image(system, {&stream}, milliseconds(200));
+      wait_for_image(system, stream, nullptr, milliseconds(200));
     }
   }
   ASSERT_EQ(images.size(), 5u);

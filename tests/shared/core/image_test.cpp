@@ -12,7 +12,7 @@ TEST(Image, IsRowMajorWithoutPadding) {
   for (int v = 0; v < 2; ++v) {
     for (int u = 0; u < 3; ++u) image(u, v) = 10 * v + u;
   }
-  const std::vector<int> expected{0, 1, 2, 10, 11, 12};
+  const RecycledVector<int> expected{0, 1, 2, 10, 11, 12};
   EXPECT_TRUE(std::equal(expected.begin(), expected.end(), image.data(), image.data() + image.pixel_count()));
   EXPECT_EQ(image, Image<int>(3, 2, expected));
 }
@@ -30,7 +30,7 @@ TEST(Image, IsEmptyWithoutPixels) {
 }
 
 TEST(Image, RejectsWrongPixelCountsAndNegativeSizes) {
-  EXPECT_THROW(Image<int>(3, 2, std::vector<int>(5)), LogicError);
+  EXPECT_THROW(Image<int>(3, 2, RecycledVector<int>(5)), LogicError);
   EXPECT_THROW(Image<int>(-1, 2), LogicError);
   EXPECT_THROW(Image<int>(2, -1), LogicError);
 }

@@ -13,14 +13,12 @@
 namespace kt {
 namespace {
 
-using Bytes = std::vector<uint8_t>;
-
-Bytes encode_any(const Message& message, int64_t sequence) {
+MessageBytes encode_any(const Message& message, int64_t sequence) {
   return std::visit([sequence](const auto& m) { return encode(m, sequence); }, message);
 }
 
 // Decodes `bytes` as the type of `like`.
-DecodeStatus decode_like(const Message& like, const Bytes& bytes) {
+DecodeStatus decode_like(const Message& like, const MessageBytes& bytes) {
   return std::visit(
       [&bytes]<typename T>(const T&) {
         T out;
@@ -30,7 +28,7 @@ DecodeStatus decode_like(const Message& like, const Bytes& bytes) {
 }
 
 // Overwrites an int32 and makes the checksum right again, as an attacker would.
-Bytes forged(Bytes bytes, size_t offset, int32_t value) {
+MessageBytes forged(MessageBytes bytes, size_t offset, int32_t value) {
   store_int32(value, bytes.data() + offset);
   store_checksum(bytes);
   return bytes;
@@ -40,7 +38,7 @@ TEST(Codec, EveryTypeSurvivesExactly) {
   for (const Message& message : sample_messages()) {
     std::visit(
         []<typename T>(const T& sent) {
-          const Bytes bytes = encode(sent, 41);
+          const MessageBytes bytes = encode(sent, 41);
           T received;
           ASSERT_EQ(decode(bytes, received), DecodeStatus::kOk) << channel_of<T>();
           expect_equal(sent, received);
@@ -90,10 +88,10 @@ TEST(Codec, RefusesEveryOtherType) {
 
 TEST(Codec, RefusesEverySingleFlippedByte) {
   for (const Message& message : sample_messages()) {
-    const Bytes bytes = encode_any(message, 3);
+    const MessageBytes bytes = encode_any(message, 3);
     for (size_t i = 0; i < bytes.size(); ++i) {
       for (const uint8_t mask : {0x01, 0x80, 0xff}) {
-        Bytes damaged = bytes;
+        MessageBytes damaged = bytes;
         damaged[i] ^= mask;
         EXPECT_NE(decode_like(message, damaged), DecodeStatus::kOk)
             << kChannels[message.index()] << " byte " << i;
@@ -105,15 +103,15 @@ TEST(Codec, RefusesEverySingleFlippedByte) {
 
 TEST(Codec, RefusesEveryOtherLength) {
   for (const Message& message : sample_messages()) {
-    const Bytes bytes = encode_any(message, 3);
+    const MessageBytes bytes = encode_any(message, 3);
     for (size_t size = 0; size < bytes.size(); ++size) {
-      Bytes cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+      MessageBytes cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
       EXPECT_EQ(decode_like(message, cut), DecodeStatus::kWrongLength)
           << kChannels[message.index()] << " cut to " << size;
       if (size >= kHeaderEnd) store_checksum(cut);
       EXPECT_NE(decode_like(message, cut), DecodeStatus::kOk);
     }
-    Bytes longer = bytes;
+    MessageBytes longer = bytes;
     longer.push_back(0);
     EXPECT_EQ(decode_like(message, longer), DecodeStatus::kWrongLength);
   }
@@ -129,7 +127,7 @@ TEST(Codec, HostileCountsTakeNoMemory) {
       {sample_frame(), {44, 48}},
   };
   for (const auto& [message, offsets] : cases) {
-    const Bytes bytes = encode_any(message, 0);
+    const MessageBytes bytes = encode_any(message, 0);
     for (const size_t offset : offsets) {
       for (const int32_t count :
            {std::numeric_limits<int32_t>::max(), std::numeric_limits<int32_t>::min(), -1, 0, 1 << 24}) {
@@ -144,9 +142,9 @@ TEST(Codec, HostileCountsTakeNoMemory) {
 }
 
 TEST(Codec, RefusesTextThatDoesNotEndWhereItSays) {
-  const Bytes bytes = encode(sample_session(), 0);
+  const MessageBytes bytes = encode(sample_session(), 0);
   const size_t first = 424, size = sample_session().calibration.name.size();
-  Bytes early = bytes, late = bytes;
+  MessageBytes early = bytes, late = bytes;
   early[first + 2] = 0;
   late[first + size] = 'x';
   store_checksum(early);
@@ -159,8 +157,8 @@ TEST(Codec, RefusesTextThatDoesNotEndWhereItSays) {
 TEST(Codec, RefusesForgedValues) {
   // Each case: a valid message, one int32 of it overwritten, the checksum made right.
   constexpr int32_t kNaN64 = 0x7ff80000;  // upper half of a double
-  const Bytes pose = encode(sample_stamped_pose(), 0), slice = encode(sample_slice(), 0);
-  const Bytes status = encode(sample_status(), 0), loop = encode(sample_loop(), 0);
+  const MessageBytes pose = encode(sample_stamped_pose(), 0), slice = encode(sample_slice(), 0);
+  const MessageBytes status = encode(sample_status(), 0), loop = encode(sample_loop(), 0);
   StampedPose pose_out;
   CloudSlice slice_out;
   MissionStatus status_out;
@@ -174,7 +172,7 @@ TEST(Codec, RefusesForgedValues) {
   EXPECT_EQ(decode(forged(pose, 136, 99), pose_out), DecodeStatus::kOutOfRange);     // later than the frame
   EXPECT_EQ(decode(forged(pose, 140, kNaN64), pose_out), DecodeStatus::kNotFinite);  // information
   EXPECT_EQ(decode(forged(pose, 140, static_cast<int32_t>(0xbff00000)), pose_out), DecodeStatus::kOutOfRange);
-  Bytes no_frames = pose;
+  MessageBytes no_frames = pose;
   no_frames[347] = 7;  // cause: of a status, never of a pose
   store_checksum(no_frames);
   EXPECT_EQ(decode(no_frames, pose_out), DecodeStatus::kOutOfRange);
@@ -193,7 +191,7 @@ TEST(Codec, RefusesForgedValues) {
 }
 
 TEST(Codec, RefusesForgedLoops) {
-  const Bytes loop = encode(sample_loop(), 0);
+  const MessageBytes loop = encode(sample_loop(), 0);
   LoopClosure out;
   for (const size_t offset : {316, 320, 324, 328}) {  // similarity, reprojection, overlap, surface
     EXPECT_EQ(decode(forged(loop, offset, 0x7fc00000), out), DecodeStatus::kNotFinite) << offset;
@@ -204,7 +202,7 @@ TEST(Codec, RefusesForgedLoops) {
   EXPECT_EQ(decode(forged(loop, 324, 0x3f800001), out), DecodeStatus::kOutOfRange);
   EXPECT_EQ(decode(forged(loop, 332, -1), out), DecodeStatus::kOutOfRange);  // matches
   for (const int verdict : {kLoopVerdicts, 127, 128, 255}) {
-    Bytes unknown = loop;
+    MessageBytes unknown = loop;
     unknown[340] = static_cast<uint8_t>(verdict);
     store_checksum(unknown);
     EXPECT_EQ(decode(unknown, out), DecodeStatus::kOutOfRange) << verdict;
@@ -214,7 +212,7 @@ TEST(Codec, RefusesForgedLoops) {
 TEST(Codec, RefusesForgedKeyframes) {
   Keyframe without_thumbnail = sample_keyframe();
   without_thumbnail.thumbnail = {};
-  const Bytes keyframe = encode(without_thumbnail, 0);
+  const MessageBytes keyframe = encode(without_thumbnail, 0);
   Keyframe out;
   EXPECT_EQ(decode(forged(keyframe, 180, -1), out), DecodeStatus::kOutOfRange);  // segment
   const size_t scales = 212 + 4 * 4;
@@ -228,7 +226,7 @@ TEST(Codec, RefusesForgedKeyframes) {
   const size_t image = 212 + 2 * 24 + 4, end = keyframe.size() - 4 - 4;
   ASSERT_EQ(keyframe[image + 1], 'P');
   for (size_t i = image; i < end; ++i) {
-    Bytes damaged = keyframe;
+    MessageBytes damaged = keyframe;
     damaged[i] ^= 0x20;
     store_checksum(damaged);
     EXPECT_EQ(decode(damaged, out), DecodeStatus::kOutOfRange) << "byte " << i - image;
@@ -236,7 +234,7 @@ TEST(Codec, RefusesForgedKeyframes) {
 }
 
 TEST(Codec, AVerdictTravelsInWordsToo) {
-  const auto text = [](const Bytes& bytes) { return std::string(bytes.begin(), bytes.end()); };
+  const auto text = [](const MessageBytes& bytes) { return std::string(bytes.begin(), bytes.end()); };
   EXPECT_NE(text(encode(sample_loop(LoopVerdict::kLittleOverlap), 0)).find("little overlap"),
             std::string::npos);
   EXPECT_EQ(text(encode(sample_loop(), 0)).find("accepted"), std::string::npos);
