@@ -10,7 +10,7 @@ namespace {
 // A frame is placed against the model, so most of its error is its own, and the next edge takes it back: of a
 // chain of edges this share of their variances lasts. Beside it the model drifts as it grows: variance per
 // radian turned (rad^2) and per metre gone (m^2). Calibrated on synthetic missions, docs/tracking.md.
-constexpr double kLastingShare = 1.0 / 300, kDriftPerTurn = 1e-7, kDriftPerMove = 1e-6;
+constexpr double kLastingShare = 1.0 / 1000, kDriftPerTurn = 3e-8, kDriftPerMove = 3e-7;
 
 // Where nothing is measured the motion is guessed, to so much (rad/s, m/s).
 constexpr double kGuessedTurn = 0.2, kGuessedMove = 0.1;
