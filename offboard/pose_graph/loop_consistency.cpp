@@ -3,6 +3,7 @@
 #include "offboard/pose_graph/loop_consistency.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -30,35 +31,41 @@ std::vector<double> odometry_only(const IndexedGraph& graph) {
 }
 
 double measured_odometry_scale(const IndexedGraph& graph, const OdometryForest& odometry) {
+  // Of a loop, in axes in which its own covariance is one and that of odometry diagonal.
   struct Sample {
-    Vector6d error;
-    Matrix6d odometry, loop;
+    Vector6d error, odometry;
   };
   std::vector<Sample> samples;
   for (const IndexedEdge& edge : graph.edges) {
     if (!edge.is_loop || !edge.is_informative() || odometry.tree(edge.from) != odometry.tree(edge.to))
       continue;
     const OdometryForest::Motion motion = odometry.between(edge.from, edge.to);
-    const Matrix6d loop = covariance(edge);
-    // Short loops, whose own noise hides that of odometry, do not tell.
-    if ((motion.covariance + loop).ldlt().solve(motion.covariance).trace() < 3) continue;
-    samples.push_back(
-        {log_se3(motion.T_from_to * edge.T_from_to.inverse(Eigen::Isometry)), motion.covariance, loop});
+    const Vector6d error = log_se3(motion.T_from_to * edge.T_from_to.inverse(Eigen::Isometry));
+    const Matrix6d whitener = Matrix6d(edge.information.llt().matrixL()).transpose();
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> axes(whitener * motion.covariance * whitener.transpose());
+    samples.push_back({axes.eigenvectors().transpose() * whitener * error, axes.eigenvalues().cwiseMax(0.0)});
   }
   const auto is_too_small = [&samples](double scale) {
     std::vector<double> squares(kScalePriorLoops, kChiSquare50 / scale);
     for (const Sample& sample : samples) {
-      const Matrix6d total = scale * sample.odometry + sample.loop;
-      squares.push_back(sample.error.dot(total.ldlt().solve(sample.error)));
+      // Short loops, whose own noise hides that of odometry, do not tell.
+      const Eigen::Array<double, 6, 1> most = std::max(scale, 1.0) * sample.odometry.array();
+      if ((most / (most + 1)).sum() < 3) continue;
+      squares.push_back((sample.error.array().square() / (scale * sample.odometry.array() + 1)).sum());
     }
     return quantile(std::move(squares), 0.5) > kChiSquare50;
   };
-  double low = std::log(kOdometryScaleMin), high = std::log(kOdometryScaleMax);
-  for (int step = 0; step < 20; ++step) {
+  // From above: to odometry that believes too much of itself all loops seem short.
+  constexpr double kStep = 1.1;
+  double high = kOdometryScaleMax;
+  while (high > kOdometryScaleMin && !is_too_small(high / kStep)) high /= kStep;
+  double low = std::log(high / kStep);
+  high = std::log(high);
+  for (int step = 0; step < 12; ++step) {
     const double middle = (low + high) / 2;
     (is_too_small(std::exp(middle)) ? low : high) = middle;
   }
-  return std::exp((low + high) / 2);
+  return std::max(std::exp((low + high) / 2), kOdometryScaleMin);
 }
 
 double cycle_squared_sigmas(const OdometryForest& odometry, const IndexedEdge& a, const IndexedEdge& b,

@@ -28,7 +28,8 @@ double cycle_squared_sigmas(const OdometryForest& odometry, const IndexedEdge& a
 
 /// The factor on odometry's covariance at which the median loop within a tree lies as far from it as a
 /// chi-square has its median: right while less than half of the loops are false. Drift that accumulates
-/// systematically counts as such a factor too.
+/// systematically counts as such a factor too. Only loops that odometry outweighs tell, by what it says of
+/// itself or would at that factor: the largest such factor is taken.
 double measured_odometry_scale(const IndexedGraph& graph, const OdometryForest& odometry);
 
 /// The factor on the loops' covariance at which the best quarter of neighbours among them agree as they

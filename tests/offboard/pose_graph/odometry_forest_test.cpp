@@ -67,7 +67,8 @@ TEST(LoopConsistency, SquaresOfHonestNoiseAreChiSquares) {
 }
 
 TEST(LoopConsistency, ScalesFollowTheInformation) {
-  for (const double factor : {0.3, 1.0, 10.0}) {
+  for (const double factor : {0.3, 1.0, 10.0, 100.0, 300.0}) {
+    SCOPED_TRACE(factor);
     const MadeGraph made{.odometry_factor = factor};
     const PoseGraph graph = make_graph(made, true_poses(made));
     const IndexedGraph ready = indexed(graph, edges_out_of_order(graph));

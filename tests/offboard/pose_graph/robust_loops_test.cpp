@@ -59,6 +59,10 @@ TEST(RobustLoops, InformationMayBeWrongByTen) {
   }
 }
 
+TEST(RobustLoops, OdometryMayBelieveFarTooMuchOfItself) {
+  expect_robust({.seed = 2, .odometry_factor = 100});
+}
+
 TEST(RobustLoops, DriftMayAccumulateSystematically) {
   expect_robust({.seed = 3, .bias_rad = 0.0005, .bias_m = 0.001});
 }
