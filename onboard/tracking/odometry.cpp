@@ -4,16 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 #include <utility>
 
 #include "onboard/tracking/edge_information.h"
+#include "onboard/tracking/step_limit.h"
 
 namespace kt {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // After a longer time an edge or a blob may have gone by more than the alignment reaches: a wall that slides
 // along itself fits none the less.
@@ -28,10 +26,6 @@ constexpr double kLongestPairwise_s = 0.3;
 // A pose that is not good may be anywhere near: its edge must not outweigh a good one.
 constexpr double kUncertainInformation = 1e-2;
 
-// Steps are limited as if frames came at this rate; after a gap the camera may have gone farther, up to this
-// factor.
-constexpr double kFrameRate_hz = 30, kLargestStepFactor = 4;
-
 // A view predicted from a pose as near as this serves for the frame.
 constexpr double kSameView_m = 0.15, kSameView_rad = 10 * kDegree;
 
@@ -41,23 +35,12 @@ constexpr double kAgreement_m = 0.04, kAgreement_rad = 2 * kDegree;
 // Of the last good frame's inlier share.
 constexpr double kReturnShare = 0.9;
 
-// A camera that is found again shows so much of the keyframe, and is confirmed within this time.
-constexpr double kLeastKeyframeOverlap = 0.3, kLongestConfirmation_s = 0.5;
-
 // What covers a lens is nearer, and blurred.
 constexpr double kNotAHand_m = 0.6;
 constexpr int kFeaturesOfAPlace = 30;
 
 // Of the time between two frames, this much counts as search: a gap is none.
 constexpr int64_t kLongestSearch_us = 200'000;
-
-bool is_within(const Pose& T, double distance_m, double angle_rad) {
-  return T.translation().norm() <= distance_m && rotation_angle(T) <= angle_rad;
-}
-
-double seconds(int64_t from_us, int64_t to_us) { return static_cast<double>(to_us - from_us) * 1e-6; }
-
-double step_factor(double dt_s) { return std::clamp(dt_s * kFrameRate_hz, 1.0, kLargestStepFactor); }
 
 }  // namespace
 
@@ -255,78 +238,13 @@ Odometry::Estimate Odometry::by_model(const FrameMaps& maps, const ModelView& mo
   estimate.result = tracker_.track(maps, model, reference, guess);
   estimate.information =
       transported(estimate.result.information, model.T_odom_camera.inverse() * last_good_.T_odom_camera);
-  const double factor = step_factor(seconds(last_good_.timestamp_us, maps.timestamp_us));
   const Pose T_expected_current =
       (last_good_.T_odom_camera * carried_motion()).inverse() * estimate.result.T_odom_camera;
   if (estimate.result.status != TrackingStatus::kLost &&
-      !is_within(T_expected_current, factor * config_.max_step_m, factor * config_.max_step_deg * kDegree)) {
+      !is_possible_step(T_expected_current, seconds(last_good_.timestamp_us, maps.timestamp_us), config_)) {
     estimate.result.status = TrackingStatus::kLost;
     estimate.result.cause = TrackingCause::kLargeStep;
   }
-  return estimate;
-}
-
-std::optional<Odometry::Estimate> Odometry::relocalise(const FrameMaps& maps, const PredictSurface& predict,
-                                                       const FindPlace& find_place) {
-  const auto place = find_place ? find_place(maps) : std::nullopt;
-  if (!place) return std::nullopt;
-  const auto keyframe = keyframes_.nearest(place->segment, place->T_odom_camera);
-  if (!keyframe) return std::nullopt;
-  Estimate estimate = by_keyframe(maps, predict, *keyframe, place->T_odom_camera);
-  if (estimate.result.status != TrackingStatus::kGood) return std::nullopt;
-  candidate_ = Candidate{estimate.result.T_odom_camera, maps.timestamp_us, *keyframe};
-  estimate.result.status = TrackingStatus::kUncertain;
-  estimate.result.cause = TrackingCause::kUnconfirmed;
-  return estimate;
-}
-
-std::optional<Odometry::Estimate> Odometry::confirm(const FrameMaps& maps, const PredictSurface& predict) {
-  if (!candidate_) return std::nullopt;
-  const Candidate candidate = *std::exchange(candidate_, std::nullopt);
-  const double dt_s = seconds(candidate.timestamp_us, maps.timestamp_us);
-  if (dt_s > std::max(kLongestConfirmation_s, 2e-6 * static_cast<double>(last_interval_us_)))
-    return std::nullopt;
-  const auto found = keyframes_.find_at(candidate.keyframe);
-  const Pose& T_guess =
-      found.alignment.status == FeatureStatus::kOk ? found.T_odom_camera : candidate.T_odom_camera;
-  const Estimate estimate = by_keyframe(maps, predict, candidate.keyframe, T_guess);
-  const Pose T_step = candidate.T_odom_camera.inverse() * estimate.result.T_odom_camera;
-  const double factor = step_factor(dt_s);
-  if (estimate.result.status != TrackingStatus::kGood ||
-      !is_within(T_step, factor * config_.max_step_m, factor * config_.max_step_deg * kDegree))
-    return std::nullopt;
-  return estimate;
-}
-
-Odometry::Estimate Odometry::by_keyframe(const FrameMaps& maps, const PredictSurface& predict, int index,
-                                         const Pose& T_odom_guess) {
-  const StoredKeyframe& keyframe = keyframes_.keyframe(index);
-  Estimate estimate;
-  estimate.source = PoseSource::kRelocalised;
-  estimate.segment = keyframe.segment;
-  estimate.from_sequence = keyframe.sequence;
-  const auto align = [&](const ModelView& view, const Pose& T_guess) {
-    const TrackResult result = tracker_.track(maps, view, nullptr, {T_guess});
-    const bool is_fit =
-        result.status == TrackingStatus::kGood && result.quality.inlier_share >= config_.return_inlier_share;
-    return std::pair(result, is_fit);
-  };
-  const auto [seen, is_fit] = align(views_.view(keyframe.surface, keyframe.T_odom_camera), T_odom_guess);
-  estimate.result = seen;
-  estimate.information = seen.information;
-  if (!is_fit || seen.quality.overlap < kLeastKeyframeOverlap || seen.quality.free_directions > 0) {
-    estimate.result.status = TrackingStatus::kLost;
-    return estimate;
-  }
-  if (keyframe.segment != last_good_.segment) return estimate;
-  // Where the volume still holds the place, its surface decides.
-  const ModelView& model = predict(seen.T_odom_camera);
-  const auto [result, is_model_fit] = align(model, seen.T_odom_camera);
-  if (result.quality.overlap < kLeastKeyframeOverlap) return estimate;
-  estimate.result = result;
-  estimate.information =
-      transported(result.information, model.T_odom_camera.inverse() * keyframe.T_odom_camera);
-  if (!is_model_fit) estimate.result.status = TrackingStatus::kLost;
   return estimate;
 }
 

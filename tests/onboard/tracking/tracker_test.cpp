@@ -7,49 +7,12 @@
 
 #include "gtest/gtest.h"
 
-#include "shared/core/rng.h"
-#include "tests/onboard/tracking/model_views.h"
+#include "tests/onboard/tracking/tracker_trial.h"
 #include "tests/support/devices.h"
 #include "tests/support/pose_matchers.h"
 
 namespace kt::test {
 namespace {
-
-// Tracks a rendered frame against an exact view of the scene.
-struct Trial {
-  AnalyticScene scene = furnished_room();
-  Pose T_odom_model = Pose::Identity();
-  Pose T_odom_camera = Pose::Identity();  // the truth
-  Pose T_odom_guess = Pose::Identity();
-  bool has_reference = false;  // an image of the model's pose too
-  RenderOptions render_options;
-  Calibration calibration = small_calibration();
-  TrackingConfig config;
-  int model_columns = 1 << 20;
-  bool half_model = false;
-  Vector6d velocity = Vector6d::Zero();
-  Pose T_odom_motion = Pose::Identity();
-  Matrix6d motion_information = Matrix6d::Zero();
-  exec::Device device = exec::Device::cpu(1);
-
-  Approach approach() const {
-    constexpr double kInterval_s = 1 / 30.0;
-    return {T_odom_camera * exp_se3(-kInterval_s * velocity), velocity, velocity.isZero(0) ? 0 : kInterval_s};
-  }
-  TrackResult run() const { return run(render(scene, calibration, T_odom_camera, render_options)); }
-  TrackResult run(const RgbdFrame& frame) const {
-    const PinholeParams camera = calibration.depth.pinhole();
-    Preprocessor preprocessor(device, calibration, {});
-    const ModelView model = exact_model_view(
-        device, scene, half_model || has_reference ? camera.half() : camera, T_odom_model, model_columns);
-    PhotometricReference reference(device, calibration, model.camera.pixel_count());
-    if (has_reference)
-      reference.take(preprocessor.process(render(scene, calibration, T_odom_model, render_options)), model);
-    return Tracker(device, calibration, config)
-        .track(preprocessor.process(frame), model, &reference,
-               {T_odom_guess, {}, approach(), T_odom_motion, motion_information});
-  }
-};
 
 std::vector<Pose> small_motions() {
   std::vector<Pose> motions;
@@ -323,80 +286,6 @@ TEST(Tracker, AMotionWithoutRotationLeavesRotationAlone) {
   const Eigen::Vector3d turned =
       log_so3(trial.T_odom_guess.linear().transpose() * result.T_odom_camera.linear());
   EXPECT_NEAR(turned.z() * 180 / M_PI, 0, 0.05);
-}
-
-TEST(Tracker, IsUncertainThenLostAsOverlapShrinks) {
-  Trial trial;
-  trial.model_columns = 160;
-  EXPECT_EQ(trial.run().status, TrackingStatus::kGood);
-  trial.model_columns = 18;  // 11 %, asked are 15 %
-  EXPECT_EQ(trial.run().status, TrackingStatus::kUncertain);
-  trial.model_columns = 6;
-  EXPECT_EQ(trial.run().status, TrackingStatus::kLost);
-  trial.model_columns = 0;
-  EXPECT_EQ(trial.run().status, TrackingStatus::kLost);
-}
-
-TEST(Tracker, IsLostWhenTheCameraLooksElsewhere) {
-  Trial trial;
-  trial.T_odom_camera = trial.T_odom_guess = pose_of({0, 170, 0}, {0, 0, 0});
-  EXPECT_EQ(trial.run().status, TrackingStatus::kLost);
-}
-
-TEST(Tracker, KnowsHowMuchAFrameMeasured) {
-  const Calibration calibration = small_calibration();
-  const exec::Device device = exec::Device::cpu(1);
-  Preprocessor preprocessor(device, calibration, {});
-  Tracker tracker(device, calibration, {});
-  RgbdFrame frame = render(furnished_room(), calibration, Pose::Identity(), {});
-  EXPECT_GT(tracker.measured_share(preprocessor.process(frame)), 0.9);
-  for (int v = 0; v < 120; ++v) {
-    for (int u = 80; u < 160; ++u) frame.depth(u, v) = 0;
-  }
-  EXPECT_NEAR(tracker.measured_share(preprocessor.process(frame)), 0.5, 0.05);
-}
-
-TEST(Tracker, KnowsHowMuchAFrameMeasuredFarAway) {
-  const Calibration calibration = small_calibration();
-  Preprocessor preprocessor(exec::Device::cpu(1), calibration, {});
-  const AnalyticScene scene =
-      AnalyticScene({Plane{{0, 0, -1}, -2.5}}).with(Box{{-3, -3, 0.5}, {-0.001, 3, 0.7}});  // the left half
-  const FrameMaps& maps = preprocessor.process(render(scene, calibration, Pose::Identity()));
-  EXPECT_GT(Tracker::measured_share(maps, 0.4), 0.9);
-  EXPECT_NEAR(Tracker::measured_share(maps, 0.6), 0.5, 0.05);
-  EXPECT_EQ(Tracker::measured_share(maps, 2.6), 0);
-}
-
-TEST(Tracker, DoesNotTakeNoiseForASurface) {
-  const Calibration calibration = small_calibration();
-  for (uint64_t seed = 0; seed < 3; ++seed) {
-    RgbdFrame frame;
-    frame.depth = Image<uint16_t>(160, 120);
-    for (int64_t i = 0; i < frame.depth.pixel_count(); ++i) {
-      frame.depth.data()[i] =
-          static_cast<uint16_t>(5'000 + random_bits(seed, 0, static_cast<uint64_t>(i)) % 45'000);
-    }
-    EXPECT_NE(Trial().run(frame).status, TrackingStatus::kGood) << seed;
-  }
-}
-
-TEST(Tracker, DoesNotTakeAnotherPlaceForThisOne) {
-  Trial trial;
-  const AnalyticScene other =
-      AnalyticScene::room({-1.2, -2, -3}, {2.5, 0.8, 1.6}).with(Sphere{{-0.5, 0, 1.0}, 0.3});
-  const TrackResult result = trial.run(render(other, small_calibration(), pose_of({0, 35, 0}, {0, 0, 0})));
-  EXPECT_NE(result.status, TrackingStatus::kGood);
-}
-
-TEST(Tracker, IsLostWithoutMeasurements) {
-  RgbdFrame frame;
-  frame.depth = Image<uint16_t>(160, 120);
-  Trial trial;
-  trial.T_odom_guess = pose_of({0, 1, 0}, {0.01, 0, 0});
-  const TrackResult result = trial.run(frame);
-  EXPECT_EQ(result.status, TrackingStatus::kLost);
-  EXPECT_TRUE(is_valid_pose(result.T_odom_camera));
-  EXPECT_EQ(result.information, Matrix6d::Zero());
 }
 
 TEST(Tracker, GivesTheSameBitsOnEveryDevice) {
