@@ -16,29 +16,47 @@ struct DepthRange {
 inline constexpr int kTileSide = 16;            // px
 inline constexpr float kNearestVoxelM = 0.05f;  // nearer voxels are not fused
 
-struct TileDepthRange {
+/// Of the pixels of one row in a tile; by tile across and row of the image, many for a GPU's threads to
+/// share.
+struct TileRowDepthRange {
   const FusionPixel* pixels;
-  int32_t width, height;
-  DepthRange* tiles;  // out, ceil(width / kTileSide) per row
+  int32_t width;
+  DepthRange* rows;  // out, ceil(width / kTileSide) per row
+
+  KT_HOST_DEVICE void operator()(int tile_u, int v) const {
+    DepthRange range;
+    for (int u = tile_u * kTileSide; u < (tile_u + 1) * kTileSide && u < width; ++u) {
+      const FusionPixel& pixel = pixels[int64_t{v} * width + u];
+      if (pixel.weight_units() == 0) continue;
+      range.nearest_m = min_of(range.nearest_m, pixel.depth_m);
+      range.farthest_m = max_of(range.farthest_m, pixel.depth_m);
+    }
+    const int tiles_per_row = (width + kTileSide - 1) / kTileSide;
+    rows[int64_t{v} * tiles_per_row + tile_u] = range;
+  }
+};
+
+/// Of a tile, from its rows.
+struct TileDepthRange {
+  const DepthRange* rows;
+  int32_t tiles_per_row, height;
+  DepthRange* tiles;  // out
 
   KT_HOST_DEVICE void operator()(int tile_u, int tile_v) const {
     DepthRange range;
-    const int tiles_per_row = (width + kTileSide - 1) / kTileSide;
     for (int v = tile_v * kTileSide; v < (tile_v + 1) * kTileSide && v < height; ++v) {
-      for (int u = tile_u * kTileSide; u < (tile_u + 1) * kTileSide && u < width; ++u) {
-        const FusionPixel& pixel = pixels[int64_t{v} * width + u];
-        if (pixel.weight_units() == 0) continue;
-        range.nearest_m = min_of(range.nearest_m, pixel.depth_m);
-        range.farthest_m = max_of(range.farthest_m, pixel.depth_m);
-      }
+      const DepthRange row = rows[int64_t{v} * tiles_per_row + tile_u];
+      range.nearest_m = min_of(range.nearest_m, row.nearest_m);
+      range.farthest_m = max_of(range.farthest_m, row.farthest_m);
     }
     tiles[int64_t{tile_v} * tiles_per_row + tile_u] = range;
   }
 };
 
 /// Flags the bricks that a frame changes: those that its truncation band may reach, and those that hold
-/// surface where it sees through. By block of bricks, so that those which nothing can reach cost little.
-struct SelectBlock {
+/// surface where it sees through. Elements are bricks, block by block, so that those of a block that nothing
+/// can reach cost little.
+struct SelectBricks {
   VolumeView volume;
   PinholeParams camera;
   Rigid3f T_camera_volume;
@@ -46,30 +64,27 @@ struct SelectBlock {
   uint8_t* selected;  // out, by slot
   RowMotion shutter{};
 
-  static int64_t element_count(int bricks) {
-    const int64_t blocks = bricks / kBlockSide;
-    return blocks * blocks * blocks;
-  }
+  static constexpr int kBlockBricks = kBlockSide * kBlockSide * kBlockSide;
 
-  KT_HOST_DEVICE void operator()(int64_t block) const {
+  template <int kLanes>
+  KT_HOST_DEVICE void run(int64_t i) const {
+    static_assert(kBlockBricks % kLanes == 0);
+    const int64_t block = i / kBlockBricks;
+    const int first = static_cast<int>(i % kBlockBricks);
     const int blocks = volume.bricks / kBlockSide;
     const Vec3i low{static_cast<int32_t>(block % blocks) * kBlockSide,
                     static_cast<int32_t>(block / blocks % blocks) * kBlockSide,
                     static_cast<int32_t>(block / blocks / blocks) * kBlockSide};
-    // Blocks are aligned in the ring: four bricks along x are neighbours there too.
-    bool holds_surface = false;
-    for (int row = 0; row < kBlockSide * kBlockSide; ++row) {
-      const uint8_t* states = volume.brick_states + volume.slot(row_of(low, row));
-      for (int x = 0; x < kBlockSide; ++x) holds_surface |= states[x] == kBrickSurface;
-    }
     const Sphere around = sphere(low, kBlockSide);
-    const bool any = can_be_seen(around) && changes(around, holds_surface);
-    for (int row = 0; row < kBlockSide * kBlockSide; ++row) {
-      const Vec3i first = row_of(low, row);
-      const int64_t slot = volume.slot(first);
-      for (int x = 0; x < kBlockSide; ++x) {
+    const bool any = can_be_seen(around) && changes(around, holds_surface(low));
+    // Blocks are aligned in the ring: four bricks along x are neighbours there too.
+    constexpr int kAlongX = kLanes < kBlockSide ? kLanes : kBlockSide;
+    for (int k = first; k < first + kLanes; k += kAlongX) {
+      const Vec3i brick = brick_of(low, k);
+      const int64_t slot = volume.slot(brick);
+      for (int x = 0; x < kAlongX; ++x) {
         const bool is_surface = volume.brick_states[slot + x] == kBrickSurface;
-        selected[slot + x] = any && changes(sphere(first + Vec3i{x, 0, 0}, 1), is_surface) ? 1 : 0;
+        selected[slot + x] = any && changes(sphere(brick + Vec3i{x, 0, 0}, 1), is_surface) ? 1 : 0;
       }
     }
   }
@@ -80,9 +95,19 @@ struct SelectBlock {
     float radius;
   };
 
-  // First of the kBlockSide bricks along x that are row `row` of a block.
-  KT_HOST_DEVICE static Vec3i row_of(Vec3i low, int row) {
-    return low + Vec3i{0, row % kBlockSide, row / kBlockSide};
+  // Brick k of the block whose lowest is `low`.
+  KT_HOST_DEVICE static Vec3i brick_of(Vec3i low, int k) {
+    return low + Vec3i{k % kBlockSide, k / kBlockSide % kBlockSide, k / kBlockSide / kBlockSide};
+  }
+
+  // Whether a brick of the block whose lowest is `low` does.
+  KT_HOST_DEVICE bool holds_surface(Vec3i low) const {
+    bool holds = false;
+    for (int row = 0; row < kBlockBricks; row += kBlockSide) {
+      const uint8_t* states = volume.brick_states + volume.slot(brick_of(low, row));
+      for (int x = 0; x < kBlockSide; ++x) holds |= states[x] == kBrickSurface;
+    }
+    return holds;
   }
 
   // Around the voxel centres of the cube of `side` bricks whose lowest is b.

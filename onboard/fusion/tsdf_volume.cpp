@@ -44,13 +44,12 @@ TsdfVolume::TsdfVolume(const exec::Device& device, const PinholeParams& camera, 
       surface_masks_(device, cube(bricks_) * kBrickColumns),
       brick_states_(device, cube(bricks_)),
       brick_last_seen_(device, cube(bricks_)),
+      tile_rows_(device, int64_t{tiles_across(camera.width, kTileSide)} * camera.height),
       tiles_(device, int64_t{tiles_across(camera.width, kTileSide)} * tiles_across(camera.height, kTileSide)),
       selected_(device, cube(bricks_)),
       slots_(device, cube(bricks_)),
       fused_columns_(device, cube(bricks_) * kBrickColumns),
-      brick_distances_(device, cube(bricks_)),
-      distance_scratch_{exec::Buffer<uint8_t>(device, cube(bricks_)),
-                        exec::Buffer<uint8_t>(device, cube(bricks_))},
+      brick_distances_(device, bricks_),
       ray_stretches_(device, int64_t{tiles_across(camera.width, kRayTileSide)} *
                                  tiles_across(camera.height, kRayTileSide)),
       model_view_{camera.half(),
@@ -89,11 +88,14 @@ void TsdfVolume::integrate(const FrameMaps& maps, const Pose& T_odom_camera, int
   const VolumeView volume = view();
   const RowMotion rows = motion.depth_rows(camera_);
   const Rigid3f T_camera_volume = to_rigid3f((T_volume_odom() * T_odom_camera).inverse());
-  exec::for_each_pixel(
-      device_, tiles_across(camera_.width, kTileSide), tiles_across(camera_.height, kTileSide),
-      TileDepthRange{maps.fusion_pixels.data(), camera_.width, camera_.height, tiles_.data()});
-  exec::for_each(device_, SelectBlock::element_count(bricks_),
-                 SelectBlock{volume, camera_, T_camera_volume, tiles_.data(), selected_.data(), rows});
+  const int tiles_per_row = tiles_across(camera_.width, kTileSide);
+  exec::for_each_pixel(device_, tiles_per_row, camera_.height,
+                       TileRowDepthRange{maps.fusion_pixels.data(), camera_.width, tile_rows_.data()});
+  exec::for_each_pixel(device_, tiles_per_row, tiles_across(camera_.height, kTileSide),
+                       TileDepthRange{tile_rows_.data(), tiles_per_row, camera_.height, tiles_.data()});
+  exec::for_each_lane<SelectBricks::kBlockBricks>(
+      device_, cube(bricks_),
+      SelectBricks{volume, camera_, T_camera_volume, tiles_.data(), selected_.data(), rows});
   const int64_t bricks = exec::compact_flags(device_, selected_.data(), selected_.size(), slots_.data());
   exec::for_each_lane(
       device_, bricks * kBrickColumns,
@@ -105,19 +107,6 @@ void TsdfVolume::integrate(const FrameMaps& maps, const Pose& T_odom_camera, int
       SummariseBrick{volume, slots_.data(), fused_columns_.data(), static_cast<uint32_t>(frame_sequence)});
 }
 
-void TsdfVolume::measure_brick_distances() {
-  exec::for_each(device_, brick_states_.size(),
-                 StartBrickDistance{brick_states_.data(), brick_distances_.data()});
-  uint8_t* distances = brick_distances_.data();
-  uint8_t *along_x = distance_scratch_[0].data(), *along_y = distance_scratch_[1].data();
-  const int64_t rows = int64_t{bricks_} * bricks_;
-  for (int round = 1; round < kFarthestBrick; ++round) {
-    exec::for_each(device_, rows, SpreadBrickDistance{bricks_, 0, distances, nullptr, along_x});
-    exec::for_each(device_, rows, SpreadBrickDistance{bricks_, 1, along_x, nullptr, along_y});
-    exec::for_each(device_, rows, SpreadBrickDistance{bricks_, 2, along_y, distances, distances});
-  }
-}
-
 const ModelView& TsdfVolume::raycast(const Pose& T_odom_camera) {
   model_view_.T_odom_camera = T_odom_camera;
   model_view_.T_middle_camera = Eigen::Translation3d(Eigen::Vector3d::Constant(-model_view_.half_edge_m)) *
@@ -125,15 +114,15 @@ const ModelView& TsdfVolume::raycast(const Pose& T_odom_camera) {
   const VolumeView volume = view();
   const Rigid3f T_volume_camera = to_rigid3f(T_volume_odom() * T_odom_camera);
   constexpr float kNearestM = 0.1f, kFarthestM = 100.0f;  // the volume ends sooner
-  measure_brick_distances();
+  brick_distances_.measure(brick_states_.data());
   const PinholeParams& camera = model_view_.camera;
   exec::for_each_pixel(device_, tiles_across(camera.width, kRayTileSide),
                        tiles_across(camera.height, kRayTileSide),
-                       RaycastTile{volume, brick_distances_.data(), camera, T_volume_camera, kNearestM,
-                                   kFarthestM, ray_stretches_.data()});
+                       RaycastTile{volume, brick_distances_.by_slot().data(), camera, T_volume_camera,
+                                   kNearestM, kFarthestM, ray_stretches_.data()});
   exec::for_each_lane<exec::kWideLanes>(device_, RaycastPixel::element_count(camera),
                                         RaycastPixel{{volume},
-                                                     brick_distances_.data(),
+                                                     brick_distances_.by_slot().data(),
                                                      camera,
                                                      T_volume_camera,
                                                      kNearestM,

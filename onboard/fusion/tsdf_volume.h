@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <functional>
 #include <optional>
 #include <span>
 
+#include "onboard/fusion/brick_distances.h"
 #include "onboard/fusion/integrate_kernel.h"
 #include "onboard/fusion/raycast_kernel.h"
 #include "onboard/fusion/slice_extractor.h"
@@ -74,7 +74,6 @@ class TsdfVolume {
   Pose T_volume_odom() const;
   VoxelBounds bounds_at(Vec3i origin_brick) const;
   void take_outside(const VoxelBounds& after, const KeepBricks& keep);
-  void measure_brick_distances();
   /// The cleared bricks outside `after` need no memory until they are fused into again.
   void give_back_outside(const VoxelBounds& after);
   Eigen::Vector3d aim_point(const Pose& T_odom_camera) const;
@@ -91,12 +90,11 @@ class TsdfVolume {
   exec::Buffer<uint8_t> surface_masks_;
   exec::Buffer<uint8_t> brick_states_;
   exec::Buffer<uint32_t> brick_last_seen_;
-  exec::Buffer<DepthRange> tiles_;
+  exec::Buffer<DepthRange> tile_rows_, tiles_;
   exec::Buffer<uint8_t> selected_;
   exec::Buffer<int32_t> slots_;
   exec::Buffer<uint8_t> fused_columns_;
-  exec::Buffer<uint8_t> brick_distances_;
-  std::array<exec::Buffer<uint8_t>, 2> distance_scratch_;
+  BrickDistances brick_distances_;
   exec::Buffer<RayStretch> ray_stretches_;
   ModelView model_view_;
   SliceExtractor extractor_;

@@ -39,25 +39,48 @@ __global__ void for_each_pixel_kernel(int width, int height, Functor functor) {
   if (u < width && v < height) functor(u, v);
 }
 
-// One warp per chunk: its 32 threads are the 32 lanes of the reduction.
+// Calls use(std::integral_constant<int, row>{}) for the one `row` below kRows that a warp has.
+template <int kRows, typename Use>
+__device__ void for_row(int row, const Use& use) {
+  [&]<int... kRow>(std::integer_sequence<int, kRow...>) {
+    ((row == kRow ? use(std::integral_constant<int, kRow>{}) : void()), ...);
+  }
+  (std::make_integer_sequence<int, kRows>{});
+}
+
+// One block per chunk, stage by stage: all its threads compute residuals, for whose loads they wait side by
+// side, and then warp i adds row i of the terms, its 32 threads being the 32 lanes of the reduction.
+inline constexpr int kReductionThreads = 512, kReductionStage = 1024;
+
 template <typename Functor>
-__global__ void reduce_kernel(int64_t count, Functor functor, float* chunk_terms) {
-  const int64_t chunk = (static_cast<int64_t>(blockIdx.x) * blockDim.x + threadIdx.x) / kReductionLanes;
-  const int lane = static_cast<int>(threadIdx.x % kReductionLanes);
-  const int64_t begin = chunk * kReductionChunk;
-  if (begin >= count) return;  // whole warps leave together
-  const int64_t end = begin + kReductionChunk < count ? begin + kReductionChunk : count;
-  constexpr int kTerms = ReductionTerms<kUnknownsOf<Functor>>::kTerms;
-  float terms[kTerms] = {};
-  for (int64_t i = begin + lane; i < end; i += kReductionLanes) {
-    const auto row = functor(i);
-    if (row.weight > 0) add_products(row, terms);
+__global__ void __launch_bounds__(kReductionThreads)
+    reduce_kernel(int64_t count, Functor functor, float* chunk_terms) {
+  constexpr int kUnknowns = kUnknownsOf<Functor>;
+  using At = ReductionTerms<kUnknowns>;
+  static_assert(At::kRows <= kReductionThreads / kReductionLanes && kReductionChunk % kReductionStage == 0);
+  __shared__ ResidualRowsOf<kUnknowns, kReductionStage> stage;
+  const int warp = static_cast<int>(threadIdx.x) / kReductionLanes;
+  const int lane = static_cast<int>(threadIdx.x) % kReductionLanes;
+  const int64_t chunk_begin = static_cast<int64_t>(blockIdx.x) * kReductionChunk;
+  float terms[At::kMostOfRow] = {};
+  for (int64_t begin = chunk_begin; begin < chunk_begin + kReductionChunk; begin += kReductionStage) {
+    for (int k = static_cast<int>(threadIdx.x); k < kReductionStage; k += kReductionThreads)
+      stage.set(k, begin + k < count ? functor(begin + k) : ResidualRowOf<kUnknowns>{});
+    __syncthreads();
+    for_row<At::kRows>(warp, [&](auto row) {
+      for (int k = lane; k < kReductionStage; k += kReductionLanes)
+        add_row_products<decltype(row)::value, 1>(stage.at(k), terms);
+    });
+    __syncthreads();
   }
-  for (int k = 0; k < kTerms; ++k) {
-    for (int half = kReductionLanes / 2; half > 0; half /= 2)
-      terms[k] += __shfl_down_sync(0xffffffffu, terms[k], half);
-    if (lane == 0) chunk_terms[chunk * kTerms + k] = terms[k];
-  }
+  for_row<At::kRows>(warp, [&](auto row) {
+    constexpr int kRow = decltype(row)::value;
+    for (int t = 0; t < At::of_row(kRow); ++t) {
+      for (int half = kReductionLanes / 2; half > 0; half /= 2)
+        terms[t] += __shfl_down_sync(0xffffffffu, terms[t], half);
+      if (lane == 0) chunk_terms[blockIdx.x * At::kTerms + At::row(kRow) + t] = terms[t];
+    }
+  });
 }
 
 inline constexpr int kThreadsPerBlock = 256;
@@ -92,10 +115,8 @@ void launch_for_each_pixel(int width, int height, const Functor& functor) {
 template <typename Functor>
 void launch_reduce(int64_t count, const Functor& functor, float* chunk_terms) {
   if (count <= 0) return;
-  constexpr int kThreads = 128;
-  const int64_t threads = ReductionWorkspace::chunks(count) * kReductionLanes;
-  const auto blocks = static_cast<unsigned>((threads + kThreads - 1) / kThreads);
-  reduce_kernel<<<blocks, kThreads, 0, stream()>>>(count, functor, chunk_terms);
+  const auto blocks = static_cast<unsigned>(ReductionWorkspace::chunks(count));
+  reduce_kernel<<<blocks, kReductionThreads, 0, stream()>>>(count, functor, chunk_terms);
   check_cuda(cudaGetLastError(), "launch");
 }
 

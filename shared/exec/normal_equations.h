@@ -74,32 +74,56 @@ inline constexpr int kReductionLanes = 32;
 inline constexpr int kReductionChunk = 2048;
 inline constexpr int kMostUnknowns = 8;
 
-/// Where the terms of a residual stand: the upper triangle of A, b, weighted squares, weights, count.
+/// Where the terms of a residual stand: the upper triangle of w [J r]^T [J r] by rows, so that b follows each
+/// row of A and the weighted square comes last of it; then weight and count.
 template <int kUnknowns>
 struct ReductionTerms {
-  static constexpr int kB = kUnknowns * (kUnknowns + 1) / 2;
-  static constexpr int kSquares = kB + kUnknowns, kWeights = kSquares + 1, kCount = kSquares + 2,
-                       kTerms = kSquares + 3;
+  static constexpr int kRows = kUnknowns + 1;
+  static constexpr int kWeights = kRows * (kRows + 1) / 2, kCount = kWeights + 1, kTerms = kWeights + 2;
+  static constexpr int kSquares = kWeights - 1;
+  /// The first term of row i, whose other factors are those of columns i to kUnknowns.
+  KT_HOST_DEVICE static constexpr int row(int i) { return i * kRows - i * (i - 1) / 2; }
+  KT_HOST_DEVICE static constexpr int b(int i) { return row(i + 1) - 1; }
+  /// Terms of row i, where weight and count belong to the last.
+  KT_HOST_DEVICE static constexpr int of_row(int i) { return i < kUnknowns ? kRows - i : 3; }
+  static constexpr int kMostOfRow = kRows < 3 ? 3 : kRows;
 };
 
-/// Adds the products of kLanes residuals to their terms: term t of lane l stands at terms[t * kStride + l].
-template <int kStride, int kUnknowns, int kLanes>
-KT_HOST_DEVICE inline void add_products(const ResidualRowsOf<kUnknowns, kLanes>& rows, float* terms) {
-  using At = ReductionTerms<kUnknowns>;
+/// Adds the terms of row kRow of kLanes residuals: term t of the row and lane l stands at
+/// terms[t * kStride + l].
+template <int kRow, int kStride, int kUnknowns, int kLanes>
+KT_HOST_DEVICE inline void add_row_products(const ResidualRowsOf<kUnknowns, kLanes>& rows, float* terms) {
   const auto add = [terms](int term, const float* a, const float* b) {
     for (int l = 0; l < kLanes; ++l) terms[term * kStride + l] += a[l] * b[l];
   };
-  int term = 0;
   float weighted[kLanes];
-  for (int i = 0; i < kUnknowns; ++i) {
-    for (int l = 0; l < kLanes; ++l) weighted[l] = rows.weight[l] * rows.jacobian[i][l];
-    for (int j = i; j < kUnknowns; ++j) add(term++, weighted, rows.jacobian[j]);
-    add(At::kB + i, weighted, rows.residual);
+  if constexpr (kRow < kUnknowns) {
+    for (int l = 0; l < kLanes; ++l) weighted[l] = rows.weight[l] * rows.jacobian[kRow][l];
+    for (int j = kRow; j < kUnknowns; ++j) add(j - kRow, weighted, rows.jacobian[j]);
+    add(kUnknowns - kRow, weighted, rows.residual);
+  } else {
+    for (int l = 0; l < kLanes; ++l) weighted[l] = rows.weight[l] * rows.residual[l];
+    add(0, weighted, rows.residual);
+    for (int l = 0; l < kLanes; ++l) terms[kStride + l] += rows.weight[l];
+    for (int l = 0; l < kLanes; ++l) terms[2 * kStride + l] += rows.weight[l] > 0.0f ? 1.0f : 0.0f;
   }
-  for (int l = 0; l < kLanes; ++l) weighted[l] = rows.weight[l] * rows.residual[l];
-  add(At::kSquares, weighted, rows.residual);
-  for (int l = 0; l < kLanes; ++l) terms[At::kWeights * kStride + l] += rows.weight[l];
-  for (int l = 0; l < kLanes; ++l) terms[At::kCount * kStride + l] += rows.weight[l] > 0.0f ? 1.0f : 0.0f;
+}
+
+/// The same for one residual.
+template <int kRow, int kStride, int kUnknowns>
+KT_HOST_DEVICE inline void add_row_products(const ResidualRowOf<kUnknowns>& row, float* terms) {
+  ResidualRowsOf<kUnknowns, 1> rows;
+  rows.set(0, row);
+  add_row_products<kRow, kStride>(rows, terms);
+}
+
+/// Adds all terms of kLanes residuals: term t of lane l stands at terms[t * kStride + l].
+template <int kStride, int kUnknowns, int kLanes>
+KT_HOST_DEVICE inline void add_products(const ResidualRowsOf<kUnknowns, kLanes>& rows, float* terms) {
+  [&]<int... kRow>(std::integer_sequence<int, kRow...>) {
+    (add_row_products<kRow, kStride>(rows, terms + ReductionTerms<kUnknowns>::row(kRow) * kStride), ...);
+  }
+  (std::make_integer_sequence<int, kUnknowns + 1>{});
 }
 
 /// The same for one residual.
@@ -150,10 +174,9 @@ class StartedReduction {
     double sums[At::kTerms] = {};
     workspace_->add_chunks(start_, chunks_, At::kTerms, sums);
     NormalEquationsOf<kUnknowns> equations;
-    int k = 0;
     for (int i = 0; i < kUnknowns; ++i) {
-      for (int j = i; j < kUnknowns; ++j) equations.A[i][j] = equations.A[j][i] = sums[k++];
-      equations.b[i] = sums[At::kB + i];
+      for (int j = i; j < kUnknowns; ++j) equations.A[i][j] = equations.A[j][i] = sums[At::row(i) + j - i];
+      equations.b[i] = sums[At::b(i)];
     }
     equations.weighted_squares = sums[At::kSquares];
     equations.weights = sums[At::kWeights];

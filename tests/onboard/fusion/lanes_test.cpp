@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
+#include "onboard/fusion/brick_distances.h"
 #include "onboard/fusion/integrate_kernel.h"
 #include "onboard/fusion/raycast_kernel.h"
 #include "shared/core/rng.h"
@@ -75,23 +76,6 @@ TEST(Lanes, OfFuseColumnsGiveTheSameBits) {
   EXPECT_EQ(fused_by_one, fused_by_eight);
 }
 
-// As TsdfVolume measures them.
-std::vector<uint8_t> brick_distances(const VolumeView& volume) {
-  const int64_t rows = int64_t{volume.bricks} * volume.bricks, bricks = rows * volume.bricks;
-  std::vector<uint8_t> distances(static_cast<size_t>(bricks)), along_x = distances, along_y = distances;
-  for (int64_t slot = 0; slot < bricks; ++slot)
-    StartBrickDistance{volume.brick_states, distances.data()}(slot);
-  for (int round = 1; round < kFarthestBrick; ++round) {
-    for (int64_t row = 0; row < rows; ++row)
-      SpreadBrickDistance{volume.bricks, 0, distances.data(), nullptr, along_x.data()}(row);
-    for (int64_t row = 0; row < rows; ++row)
-      SpreadBrickDistance{volume.bricks, 1, along_x.data(), nullptr, along_y.data()}(row);
-    for (int64_t row = 0; row < rows; ++row)
-      SpreadBrickDistance{volume.bricks, 2, along_y.data(), distances.data(), distances.data()}(row);
-  }
-  return distances;
-}
-
 TEST(Lanes, OfRaycastGiveTheSameBits) {
   VolumeConfig config;
   config.resolution = 128;
@@ -103,7 +87,9 @@ TEST(Lanes, OfRaycastGiveTheSameBits) {
   camera.width -= 3;  // tiles at the right reach beyond the image
   const VolumeView volume = recorder.volume.view();
   const auto tiles = static_cast<size_t>(RaycastPixel::element_count(camera) / kTilePixels);
-  const std::vector<uint8_t> distances = brick_distances(volume);
+  BrickDistances brick_distances(exec::Device::cpu(1), volume.bricks);
+  brick_distances.measure(volume.brick_states);
+  const std::vector<uint8_t> distances = brick_distances.by_slot().downloaded();
   EXPECT_GT(std::count(distances.begin(), distances.end(), kFarthestBrick), 0) << "rays leap nowhere";
   EXPECT_GT(std::count(distances.begin(), distances.end(), 1), 0);
   const std::vector<RayStretch> stretches(tiles, RayStretch{0.0f, 100.0f});

@@ -33,7 +33,7 @@ TEST(UnorderedSum, IsNearlyTheOrderedOne) {
     EXPECT_NEAR(plain[At::kWeights], ordered.weights, 1e-5 * ordered.weights);
     EXPECT_NEAR(plain[At::kSquares], ordered.weighted_squares, 1e-5 * ordered.weighted_squares);
     EXPECT_NEAR(plain[0], ordered.A[0][0], 1e-5 * ordered.A[0][0]);
-    EXPECT_NEAR(plain[At::kB + 5], ordered.b[5], 1e-5 * std::abs(ordered.b[5]) + 1e-4);
+    EXPECT_NEAR(plain[At::b(5)], ordered.b[5], 1e-5 * std::abs(ordered.b[5]) + 1e-4);
   }
 }
 

@@ -54,14 +54,24 @@ int count_left_out(const PinholeParams& camera, const RowMotion& shutter, BrickS
   const std::vector<FusionPixel> pixels = random_image(camera, seed);
   const int across = (camera.width + kTileSide - 1) / kTileSide,
             down = (camera.height + kTileSide - 1) / kTileSide;
-  std::vector<DepthRange> tiles(static_cast<size_t>(across * down));
-  const TileDepthRange ranges{pixels.data(), camera.width, camera.height, tiles.data()};
+  std::vector<DepthRange> tile_rows(static_cast<size_t>(across * camera.height)),
+      tiles(static_cast<size_t>(across * down));
+  const TileRowDepthRange row_ranges{pixels.data(), camera.width, tile_rows.data()};
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < across; ++u) row_ranges(u, v);
+  }
+  const TileDepthRange ranges{tile_rows.data(), across, camera.height, tiles.data()};
   for (int v = 0; v < down; ++v) {
     for (int u = 0; u < across; ++u) ranges(u, v);
   }
   std::vector<uint8_t> selected(EmptyVolume::kCount);
-  const SelectBlock select{volume.view(), camera, T, tiles.data(), selected.data(), shutter};
-  for (int64_t i = 0; i < SelectBlock::element_count(EmptyVolume::kBricks); ++i) select(i);
+  const SelectBricks select{volume.view(), camera, T, tiles.data(), selected.data(), shutter};
+  for (int64_t i = 0; i < EmptyVolume::kCount; ++i) select.run<1>(i);
+  std::vector<uint8_t> by_block(EmptyVolume::kCount);
+  const SelectBricks select_blocks{volume.view(), camera, T, tiles.data(), by_block.data(), shutter};
+  for (int64_t i = 0; i < EmptyVolume::kCount; i += SelectBricks::kBlockBricks)
+    select_blocks.run<SelectBricks::kBlockBricks>(i);
+  EXPECT_EQ(by_block, selected);
 
   std::vector<int32_t> slots;
   for (int32_t slot = 0; slot < EmptyVolume::kCount; ++slot) slots.push_back(slot);
@@ -82,7 +92,7 @@ int count_left_out(const PinholeParams& camera, const RowMotion& shutter, BrickS
   return left_out;
 }
 
-TEST(SelectBlock, LeavesOutNothingThatTheFrameMeasures) {
+TEST(SelectBricks, LeavesOutNothingThatTheFrameMeasures) {
   for (const float focal_per_width : {0.8f, 0.5f, 0.2f}) {
     const PinholeParams camera{focal_per_width * 160, focal_per_width * 160, 79.5f, 59.5f, 160, 120};
     // A shutter of 30 ms at 1 m/s and 2 rad/s.
