@@ -1,11 +1,12 @@
-# Turns the JSON of kintsugi-core-bench --suite into the section Kernels of tools/benchmark.
+# Turns the JSON of kintsugi-core-bench --suite and of tools/gpu_check into sections of tools/benchmark.
 # SPDX-License-Identifier: BSD-3-Clause
 from benching import table
 
 STAGES = ("frame", "preprocess", "track", "integrate", "raycast")
 TRAFFIC = ("integrate", "raycast")
+RUN = ("voxels", "mm", "image")
 
-TEXT = """## Kernels
+TEXT = """## {heading}
 `kintsugi-core-bench --suite` on {device}: closed-form scenes, no noise, each stage waited for. Median milliseconds.
 
 {times}
@@ -22,22 +23,50 @@ Growth: e of time ~ size^e, from images of 320 x 240 to 1280 x 960 over 512 voxe
 
 {growth}
 Mission: {mission_frames} frames of 320 x 240 along a corridor, 256 voxels of 2 cm; {slices} slices leave the volume and keyframes gather. Median
-frame of the first tenth {first:.1f} ms, of the last {last:.1f} ms.
+frame of the first tenth {first:.2f} ms, of the last {last:.2f} ms.
 
 Equal bits: {residuals} residuals sum in {fixed:.3f} ms in the fixed order, in {unordered:.3f} ms as a plain float sum in whatever order threads come:
 {fixed_to_unordered:.2f} times as long. {contracted}
 """
 
 
-def kernels_section(report):
+GPU_TEXT = """## On a GPU
+What `tools/gpu_check` last said (`docs/gpu_check.json`): {gpu}, {cpu}, {cores} cores. Of {run} tests of the core {passed} passed and {failed} failed;
+{compared} compared the GPU with the CPU bit for bit. compute-sanitizer: {sanitizers}. The same suite on that machine's CPU:
+
+{times}"""
+
+
+def gpu_section(check):
+    """The section of a report of tools/gpu_check; a KeyError where it lacks a figure."""
+    steps, machine = check["steps"], check["machine"]
+    tests, on_gpu, on_cpu = steps["tests"], steps["bench_cuda"]["report"], steps["bench_cpu"]["report"]
+    sanitizers = ", ".join(f"{tool} {steps[tool]['errors']} errors in {steps[tool]['comparisons_with_gpu']} comparisons"
+                           for tool in ("memcheck", "initcheck", "racecheck"))
+    text = GPU_TEXT.format(gpu=machine["gpu"], cpu=machine["cpu"], cores=machine["cores"], run=tests["run"], passed=tests["passed"],
+                           failed=tests["failed"], compared=tests["compared_with_gpu"], sanitizers=sanitizers,
+                           times=times_table(on_cpu))
+    return text + "\n" + kernels_section(on_gpu, f"Kernels on that GPU (Kintsugi {on_gpu['program_version']})")
+
+
+def run_name(run):
+    return [f"{run['volume_resolution']}³", f"{1000 * run['voxel_size_m']:.0f}", f"{run['width']} x {run['height']}"]
+
+
+def times_table(report):
+    # A GPU's hundredths of a millisecond count.
+    digits = 2 if report["device"] == "cuda" else 1
+    return table([*RUN, *STAGES], [run_name(run) + [f"{run['stages'][stage]['p50_ms']:.{digits}f}" for stage in STAGES]
+                                   for run in report["runs"]])
+
+
+def kernels_section(report, heading="Kernels"):
     """The section; a KeyError where the report lacks a figure."""
-    times, traffic = [], []
+    traffic = []
     for run in report["runs"]:
-        name = [f"{run['volume_resolution']}³", f"{1000 * run['voxel_size_m']:.0f}", f"{run['width']} x {run['height']}"]
-        times.append(name + [f"{run['stages'][stage]['p50_ms']:.1f}" for stage in STAGES])
         cells = [run["traffic"][stage] for stage in TRAFFIC]
-        traffic.append(name + [text for cell in cells for text in (f"{cell['bytes'] / 1e6:.1f}", f"{cell['gb_per_s']:.2f}",
-                                                                   f"{100 * cell['share_of_bandwidth']:.1f}")])
+        traffic.append(run_name(run) + [text for cell in cells for text in (f"{cell['bytes'] / 1e6:.1f}", f"{cell['gb_per_s']:.2f}",
+                                                                            f"{100 * cell['share_of_bandwidth']:.1f}")])
     growth = [[name] + [f"{report['growth'][key][stage]:.2f}" for stage in STAGES]
               for name, key in (("pixels", "with_pixels"), ("voxels", "with_voxels"))]
     mission, sums = report["mission"], report["reductions"]
@@ -46,12 +75,11 @@ def kernels_section(report):
     if "contracted_ms" in sums:
         contracted = (f"With multiply and add fused the first takes {sums['contracted_ms']:.3f} ms: not fusing them costs a factor of "
                       f"{sums['fixed_to_contracted']:.2f}.")
-    run = ["voxels", "mm", "image"]
     device = report["device"] + (f" ({report['threads']} threads)" if report["device"] == "cpu" else "")
     return TEXT.format(
-        device=device, times=table([*run, *STAGES], times), bandwidth=report["bandwidth"]["gb_per_s"],
+        heading=heading, device=device, times=times_table(report), bandwidth=report["bandwidth"]["gb_per_s"],
         array_mib=report["bandwidth"]["bytes_per_array"] / 2**20,
-        traffic=table([*run, *(f"{stage} {what}" for stage in TRAFFIC for what in ("MB", "GB/s", "% of bandwidth"))], traffic),
+        traffic=table([*RUN, *(f"{stage} {what}" for stage in TRAFFIC for what in ("MB", "GB/s", "% of bandwidth"))], traffic),
         growth=table(["with", *STAGES], growth), mission_frames=mission["frames"], slices=mission["slices"],
         first=mission["first_tenth_p50_ms"], last=mission["last_tenth_p50_ms"], residuals=sums["residuals"],
         fixed=sums["fixed_order_ms"], unordered=sums["unordered_ms"], fixed_to_unordered=sums["fixed_to_unordered"],

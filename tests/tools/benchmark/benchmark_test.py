@@ -113,6 +113,19 @@ class BenchmarkTest(unittest.TestCase):
         self.assertIn("not fusing them costs a factor of 1.19.", benchmark.document([], [], "1.2", [], on_gpu))
         self.assertNotIn("## Kernels", benchmark.document([sequence("room")], [], "1.2", []))
 
+    def test_what_a_gpu_gave(self):
+        check = {"machine": {"gpu": "Some GPU", "cpu": "Some CPU", "cores": 16},
+                 "steps": {tool: {"errors": 0, "comparisons_with_gpu": 68} for tool in ("memcheck", "initcheck", "racecheck")} |
+                 {"tests": {"run": 486, "passed": 485, "failed": 0, "compared_with_gpu": 37},
+                  "bench_cuda": {"report": KERNELS | {"device": "cuda", "program_version": "1.2"}}, "bench_cpu": {"report": KERNELS}}}
+        page = benchmark.document([], [], "1.2", [], None, check)
+        self.assertIn("Some GPU, Some CPU, 16 cores. Of 486 tests of the core 485 passed and 0 failed;\n37 compared", page)
+        self.assertIn("racecheck 0 errors in 68 comparisons. The same suite", page)
+        self.assertIn("| 512³ | 5 | 640 x 480 | 10.0 | 20.1 | 30.1 | 40.2 | 50.2 |", page)
+        self.assertIn("| 512³ | 5 | 640 x 480 | 10.04 | 20.08 | 30.12 | 40.16 | 50.20 |", page)
+        with self.assertRaisesRegex(LookupError, "initcheck"):
+            benchmark.gpu_section(check | {"steps": {k: v for k, v in check["steps"].items() if k != "initcheck"}})
+
     def test_frames_may_not_take_longer_as_a_mission_goes_on(self):
         slower = KERNELS | {"mission": KERNELS["mission"] | {"last_to_first": 1.26}}
         self.assertEqual(benchmark.check_promises([], 2, slower)[0][4], "**broken**")
