@@ -17,7 +17,7 @@ KT_EMBED(kt_vocabulary_orb256, "orb256.voc");
 
 namespace kt {
 
-const Vocabulary& builtin_vocabulary(const std::string& type) {
+const Vocabulary& builtin_vocabulary(std::string_view type) {
   if (type == "surf64") {
     static const Vocabulary vocabulary =
         Vocabulary::decode({kt_vocabulary_surf64_begin, kt_vocabulary_surf64_end}, "surf64.voc");
@@ -28,7 +28,7 @@ const Vocabulary& builtin_vocabulary(const std::string& type) {
         Vocabulary::decode({kt_vocabulary_orb256_begin, kt_vocabulary_orb256_end}, "orb256.voc");
     return vocabulary;
   }
-  throw Error("no vocabulary for descriptors of type " + type);
+  throw Error("no vocabulary for descriptors of type " + std::string(type));
 }
 
 const Vocabulary& vocabulary_of(std::span<const Keyframe* const> keyframes) {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <span>
-#include <string>
+#include <string_view>
 
 #include "onboard/loops/vocabulary.h"
 #include "shared/types/keyframe.h"
@@ -11,7 +11,7 @@
 namespace kt {
 
 /// Of descriptors of `type` ("surf64" or "orb256"). Throws kt::Error for others.
-const Vocabulary& builtin_vocabulary(const std::string& type);
+const Vocabulary& builtin_vocabulary(std::string_view type);
 
 /// Of the descriptors of some keyframes. Throws kt::Error as above, where their types differ, and where a
 /// keyframe says another size than that of its type.

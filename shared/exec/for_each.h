@@ -51,6 +51,7 @@ inline constexpr int kSimdLanes = 8, kWideLanes = 32;
 /// Calls functor.run<kLanes>(i) for every kLanes-th i in [0, count), which does elements i to i + kLanes - 1
 /// in loops over arrays of kLanes: SIMD on a CPU, where kLanes is kCpuLanes; a thread per element on a GPU,
 /// where it is 1. Elements stay independent, so both give the same bits. `count` is a multiple of kCpuLanes.
+/// What neighbouring elements share is then done once for all of a CPU's lanes.
 template <int kCpuLanes = kSimdLanes, typename Functor>
 void for_each_lane(const Device& device, int64_t count, const Functor& functor) {
   KT_CHECK(count % kCpuLanes == 0, "elements do not fill the lanes");

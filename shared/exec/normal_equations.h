@@ -15,7 +15,8 @@
 
 namespace kt::exec {
 
-/// One residual with its Jacobian by the unknowns and its weight; weight 0 leaves it out (all zero then).
+/// One residual with its Jacobian by the unknowns and its weight, at least 0. One without weight must be zero
+/// throughout, for it may be added as the others are.
 template <int kUnknowns>
 struct ResidualRowOf {
   static constexpr int kSize = kUnknowns;

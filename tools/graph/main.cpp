@@ -31,6 +31,20 @@ std::vector<Pose> poses_of(const PoseGraph& graph) {
   return poses;
 }
 
+// The loops that were found false and why, by their place among the edges of the file and the nodes that they
+// tie.
+nlohmann::ordered_json rejected(const PoseGraph& graph, const std::vector<size_t>& loops,
+                                const OptimisedGraph& result) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const size_t loop : loops) {
+    const LoopOutcome outcome = result.edges[loop].outcome;
+    if (outcome == LoopOutcome::kAccepted) continue;
+    const PoseGraph::Edge& edge = graph.edges[loop];
+    list.push_back({{"edge", loop}, {"from", edge.from}, {"to", edge.to}, {"outcome", to_string(outcome)}});
+  }
+  return list;
+}
+
 struct OptimiseCommand {
   Files files;
   PoseGraphOptions options;
@@ -84,6 +98,7 @@ struct OptimiseCommand {
     std::map<std::string, int> outcomes;
     for (const size_t loop : loops) ++outcomes[to_string(result.edges[loop].outcome)];
     report["loops"] = outcomes;
+    report["rejected_loops"] = rejected(graph, loops, result);
     if (json) {
       std::puts(report.dump(2).c_str());
       return;

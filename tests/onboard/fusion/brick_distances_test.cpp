@@ -31,29 +31,39 @@ int brute_force_distance(int64_t slot, const std::vector<int64_t>& surfaces, int
   return least;
 }
 
+void expect_distances(int bricks, const std::vector<int64_t>& surfaces,
+                      const std::vector<exec::Device>& devices) {
+  const int64_t slots = int64_t{bricks} * bricks * bricks;
+  std::vector<uint8_t> states(static_cast<size_t>(slots), kBrickObserved), expected;
+  for (const int64_t slot : surfaces) states[static_cast<size_t>(slot)] = kBrickSurface;
+  for (int64_t slot = 0; slot < slots; ++slot)
+    expected.push_back(static_cast<uint8_t>(brute_force_distance(slot, surfaces, bricks)));
+  for (const exec::Device& device : devices) {
+    exec::Buffer<uint8_t> on_device(device, slots);
+    on_device.upload(states);
+    BrickDistances distances(device, bricks);
+    distances.measure(on_device.data());
+    EXPECT_EQ(distances.by_slot().downloaded(), expected)
+        << surfaces.size() << " surfaces in " << bricks << " bricks per axis, " << name_of(device);
+  }
+}
+
 TEST(BrickDistances, AreTheNearestSurfacesInChebyshevsMetricRoundTheRingOnEveryDevice) {
   const std::vector<exec::Device> devices = parity_devices();
   for (const int bricks : {4, 12, 64, 68}) {  // less than a word, a whole one, one and a bit
-    const int64_t slots = int64_t{bricks} * bricks * bricks;
     for (const uint64_t count : {0u, 1u, 5u, 40u}) {
-      std::vector<uint8_t> states(static_cast<size_t>(slots), kBrickObserved);
+      const auto slots = static_cast<uint64_t>(int64_t{bricks} * bricks * bricks);
       std::vector<int64_t> surfaces;
       for (uint64_t k = 0; k < count; ++k)
-        surfaces.push_back(static_cast<int64_t>(random_bits(count, 1, k) % static_cast<uint64_t>(slots)));
-      for (const int64_t slot : surfaces) states[static_cast<size_t>(slot)] = kBrickSurface;
-      std::vector<uint8_t> expected;
-      for (int64_t slot = 0; slot < slots; ++slot)
-        expected.push_back(static_cast<uint8_t>(brute_force_distance(slot, surfaces, bricks)));
-      for (const exec::Device& device : devices) {
-        exec::Buffer<uint8_t> on_device(device, slots);
-        on_device.upload(states);
-        BrickDistances distances(device, bricks);
-        distances.measure(on_device.data());
-        EXPECT_EQ(distances.by_slot().downloaded(), expected)
-            << count << " surfaces in " << bricks << " bricks per axis, " << name_of(device);
-      }
+        surfaces.push_back(static_cast<int64_t>(random_bits(count, 1, k) % slots));
+      expect_distances(bricks, surfaces, devices);
     }
   }
+}
+
+TEST(BrickDistances, CrossTheBordersOfWordsOnEveryDevice) {
+  const std::vector<exec::Device> devices = parity_devices();
+  for (const int64_t x : {0, 61, 62, 63, 64, 66, 67}) expect_distances(68, {(5 * 68 + 30) * 68 + x}, devices);
 }
 
 }  // namespace

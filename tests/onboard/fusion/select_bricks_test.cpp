@@ -64,14 +64,26 @@ int count_left_out(const PinholeParams& camera, const RowMotion& shutter, BrickS
   for (int v = 0; v < down; ++v) {
     for (int u = 0; u < across; ++u) ranges(u, v);
   }
-  std::vector<uint8_t> selected(EmptyVolume::kCount);
-  const SelectBricks select{volume.view(), camera, T, tiles.data(), selected.data(), shutter};
-  for (int64_t i = 0; i < EmptyVolume::kCount; ++i) select.run<1>(i);
-  std::vector<uint8_t> by_block(EmptyVolume::kCount);
-  const SelectBricks select_blocks{volume.view(), camera, T, tiles.data(), by_block.data(), shutter};
-  for (int64_t i = 0; i < EmptyVolume::kCount; i += SelectBricks::kBlockBricks)
-    select_blocks.run<SelectBricks::kBlockBricks>(i);
-  EXPECT_EQ(by_block, selected);
+  const auto select = [&](const VolumeView& view) {
+    std::vector<uint8_t> by_brick(EmptyVolume::kCount), by_block(EmptyVolume::kCount);
+    const SelectBricks bricks{view, camera, T, tiles.data(), by_brick.data(), shutter},
+        blocks{view, camera, T, tiles.data(), by_block.data(), shutter};
+    for (int64_t i = 0; i < EmptyVolume::kCount; ++i) bricks.run<1>(i);
+    for (int64_t i = 0; i < EmptyVolume::kCount; i += SelectBricks::kBlockBricks)
+      blocks.run<SelectBricks::kBlockBricks>(i);
+    EXPECT_EQ(by_block, by_brick);
+    return by_brick;
+  };
+  const std::vector<uint8_t> selected = select(volume.view());
+  // Other surfaces in its block make no difference to a brick.
+  std::vector<uint8_t> mixed_states = volume.states;
+  for (uint64_t k = 0; k < 20; ++k)
+    mixed_states[random_bits(seed, 3, k) % mixed_states.size()] = kBrickSurface;
+  VolumeView mixed = volume.view();
+  mixed.brick_states = mixed_states.data();
+  const std::vector<uint8_t> mixed_selected = select(mixed);
+  for (size_t slot = 0; slot < selected.size(); ++slot)
+    EXPECT_TRUE(mixed_selected[slot] == selected[slot] || mixed_states[slot] != volume.states[slot]) << slot;
 
   std::vector<int32_t> slots;
   for (int32_t slot = 0; slot < EmptyVolume::kCount; ++slot) slots.push_back(slot);
@@ -94,7 +106,8 @@ int count_left_out(const PinholeParams& camera, const RowMotion& shutter, BrickS
 
 TEST(SelectBricks, LeavesOutNothingThatTheFrameMeasures) {
   for (const float focal_per_width : {0.8f, 0.5f, 0.2f}) {
-    const PinholeParams camera{focal_per_width * 160, focal_per_width * 160, 79.5f, 59.5f, 160, 120};
+    // The last tiles are cut off at both edges.
+    const PinholeParams camera{focal_per_width * 150, focal_per_width * 150, 74.5f, 59.5f, 150, 120};
     // A shutter of 30 ms at 1 m/s and 2 rad/s.
     for (const RowMotion& shutter :
          {RowMotion{}, RowMotion{{5e-4f, -5e-4f, 5e-4f}, {2e-4f, 2e-4f, -2e-4f}, 59.5f}}) {

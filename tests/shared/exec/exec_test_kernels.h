@@ -39,20 +39,22 @@ struct AddPixel {
 };
 
 /// Pseudo-random residuals in [-1, 1) of which every `keep`-th has a weight, 0 = none.
-struct RandomResidual {
+template <int kUnknowns>
+struct RandomResidualOf {
   uint64_t seed;
   int64_t keep;
   KT_HOST_DEVICE float value(int64_t i, uint64_t stream) const {
     return static_cast<float>(2 * random_uniform(seed, stream, static_cast<uint64_t>(i)) - 1);
   }
-  KT_HOST_DEVICE exec::ResidualRow operator()(int64_t i) const {
-    exec::ResidualRow row;
+  KT_HOST_DEVICE exec::ResidualRowOf<kUnknowns> operator()(int64_t i) const {
+    exec::ResidualRowOf<kUnknowns> row;
     if (keep == 0 || i % keep != 0) return row;
-    for (int k = 0; k < 6; ++k) row.jacobian[k] = value(i, static_cast<uint64_t>(k));
-    row.residual = value(i, 6);
-    row.weight = value(i, 7) + 1.5f;
+    for (int k = 0; k < kUnknowns; ++k) row.jacobian[k] = value(i, static_cast<uint64_t>(k));
+    row.residual = value(i, kUnknowns);
+    row.weight = value(i, kUnknowns + 1) + 1.5f;
     return row;
   }
 };
+using RandomResidual = RandomResidualOf<6>;
 
 }  // namespace kt::test

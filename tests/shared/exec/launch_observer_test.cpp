@@ -57,7 +57,7 @@ TEST(LaunchObserver, IsToldOfBuffersAndOfEveryKindOfLaunch) {
                             "kt::test::AddLaneIndex over 16", "kt::test::AddPixel over 6",
                             "allocated 8 of int, 4 bytes each", "upload over 3", "exclusive_scan over 3",
                             "allocated 7 of unsigned char, 1 bytes each", "compact_flags over 7",
-                            "allocated 47 of float, 4 bytes each", "kt::test::RandomResidual over 10",
+                            "allocated 47 of float, 4 bytes each", "kt::test::RandomResidualOf<6> over 10",
                             "released", "released", "released", "released"))
         << name_of(device);
   }

@@ -18,19 +18,22 @@ using test::RandomResidual;
 // Neither multiples of the 32 lanes nor of the 2048 elements of a chunk, and some that are.
 constexpr int64_t kSizes[] = {0, 1, 31, 32, 33, 2047, 2048, 2049, 5000, 19'200, 76'801};
 
-NormalEquations reduce(const Device& device, int64_t count, const RandomResidual& functor) {
+template <int kUnknowns>
+NormalEquationsOf<kUnknowns> reduce(const Device& device, int64_t count,
+                                    const test::RandomResidualOf<kUnknowns>& functor) {
   ReductionWorkspace workspace(device, count);
   return reduce_normal_equations(device, count, functor, workspace);
 }
 
-NormalEquations slow_sum(int64_t count, const RandomResidual& functor) {
-  NormalEquations sum;
+template <int kUnknowns>
+NormalEquationsOf<kUnknowns> slow_sum(int64_t count, const test::RandomResidualOf<kUnknowns>& functor) {
+  NormalEquationsOf<kUnknowns> sum;
   for (int64_t n = 0; n < count; ++n) {
-    const ResidualRow row = functor(n);
+    const ResidualRowOf<kUnknowns> row = functor(n);
     if (row.weight == 0) continue;
     const double w = row.weight, r = row.residual;
-    for (int i = 0; i < 6; ++i) {
-      for (int j = 0; j < 6; ++j) sum.A[i][j] += w * row.jacobian[i] * row.jacobian[j];
+    for (int i = 0; i < kUnknowns; ++i) {
+      for (int j = 0; j < kUnknowns; ++j) sum.A[i][j] += w * row.jacobian[i] * row.jacobian[j];
       sum.b[i] += w * row.jacobian[i] * r;
     }
     sum.weighted_squares += w * r * r;
@@ -40,39 +43,54 @@ NormalEquations slow_sum(int64_t count, const RandomResidual& functor) {
   return sum;
 }
 
-bool same_bits(const NormalEquations& a, const NormalEquations& b) {
+template <int kUnknowns>
+bool same_bits(const NormalEquationsOf<kUnknowns>& a, const NormalEquationsOf<kUnknowns>& b) {
   return std::memcmp(&a, &b, sizeof(a)) == 0;
 }
 
-TEST(NormalEquations, EqualTheSlowSum) {
+template <int kUnknowns>
+void expect_the_slow_sum() {
   for (const int64_t count : kSizes) {
     for (const int64_t keep : {1, 3, 97}) {
-      const RandomResidual functor{11, keep};
-      const NormalEquations fast = reduce(Device::cpu(2), count, functor), slow = slow_sum(count, functor);
+      const test::RandomResidualOf<kUnknowns> functor{11, keep};
+      const auto fast = reduce(Device::cpu(2), count, functor), slow = slow_sum(count, functor);
       const double tolerance = 1e-5 * std::sqrt(static_cast<double>(count) + 1);
-      for (int i = 0; i < 6; ++i) {
-        for (int j = 0; j < 6; ++j)
+      for (int i = 0; i < kUnknowns; ++i) {
+        for (int j = 0; j < kUnknowns; ++j)
           EXPECT_NEAR(fast.A[i][j], slow.A[i][j], tolerance + 1e-6 * std::abs(slow.A[i][j]));
         EXPECT_NEAR(fast.b[i], slow.b[i], tolerance);
       }
       EXPECT_NEAR(fast.weighted_squares, slow.weighted_squares, tolerance + 1e-6 * slow.weighted_squares);
       EXPECT_NEAR(fast.weights, slow.weights, tolerance + 1e-6 * slow.weights);
-      EXPECT_EQ(fast.count, slow.count) << count << " keep " << keep;
+      EXPECT_EQ(fast.count, slow.count) << count << " keep " << keep << " unknowns " << kUnknowns;
+    }
+  }
+}
+
+TEST(NormalEquations, EqualTheSlowSum) {
+  expect_the_slow_sum<3>();
+  expect_the_slow_sum<6>();
+  expect_the_slow_sum<8>();
+}
+
+template <int kUnknowns>
+void expect_the_same_bits() {
+  for (const int64_t count : kSizes) {
+    for (const int64_t keep : {1, 5, 4000}) {
+      const test::RandomResidualOf<kUnknowns> functor{3, keep};
+      const auto reference = reduce(Device::cpu(1), count, functor);
+      for (const Device& device : test::parity_devices()) {
+        EXPECT_TRUE(same_bits(reduce(device, count, functor), reference))
+            << test::name_of(device) << ", " << count << " residuals of " << kUnknowns << " unknowns";
+      }
     }
   }
 }
 
 TEST(NormalEquations, HaveTheSameBitsOnEveryDevice) {
-  for (const int64_t count : kSizes) {
-    for (const int64_t keep : {1, 5, 4000}) {
-      const RandomResidual functor{3, keep};
-      const NormalEquations reference = reduce(Device::cpu(1), count, functor);
-      for (const Device& device : test::parity_devices()) {
-        EXPECT_TRUE(same_bits(reduce(device, count, functor), reference))
-            << test::name_of(device) << ", " << count << " residuals";
-      }
-    }
-  }
+  expect_the_same_bits<3>();
+  expect_the_same_bits<6>();
+  expect_the_same_bits<8>();
 }
 
 TEST(NormalEquations, RepeatInTheSameWorkspace) {

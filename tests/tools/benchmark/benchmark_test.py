@@ -114,15 +114,18 @@ class BenchmarkTest(unittest.TestCase):
         self.assertNotIn("## Kernels", benchmark.document([sequence("room")], [], "1.2", []))
 
     def test_what_a_gpu_gave(self):
-        check = {"machine": {"gpu": "Some GPU", "cpu": "Some CPU", "cores": 16},
-                 "steps": {tool: {"errors": 0, "comparisons_with_gpu": 68} for tool in ("memcheck", "initcheck", "racecheck")} |
+        check = {"ok": True, "why": "", "machine": {"gpu": "Some GPU", "cpu": "Some CPU", "cores": 16},
+                 "steps": {tool: {"errors": 0} for tool in ("memcheck", "initcheck", "racecheck")} |
                  {"tests": {"run": 486, "passed": 485, "failed": 0, "compared_with_gpu": 37},
                   "bench_cuda": {"report": KERNELS | {"device": "cuda", "program_version": "1.2"}}, "bench_cpu": {"report": KERNELS}}}
         page = benchmark.document([], [], "1.2", [], None, check)
-        self.assertIn("Some GPU, Some CPU, 16 cores. Of 486 tests of the core 485 passed and 0 failed;\n37 compared", page)
-        self.assertIn("racecheck 0 errors in 68 comparisons. The same suite", page)
+        self.assertIn("all is well. Some GPU, Some CPU, 16 cores. Of 486 tests of the core 485 passed and 0 failed;\n37 tests compared", page)
+        self.assertIn("racecheck found 0 errors. The same suite", page)
         self.assertIn("| 512³ | 5 | 640 x 480 | 10.0 | 20.1 | 30.1 | 40.2 | 50.2 |", page)
         self.assertIn("| 512³ | 5 | 640 x 480 | 10.04 | 20.08 | 30.12 | 40.16 | 50.20 |", page)
+        failed = check | {"ok": False, "why": "failed: contraction", "steps": check["steps"] | {"initcheck": {"result": "skipped"}}}
+        self.assertIn("failed: contraction. Some GPU", benchmark.gpu_section(failed))
+        self.assertIn("initcheck was not run, racecheck found 0 errors", benchmark.gpu_section(failed))
         with self.assertRaisesRegex(LookupError, "initcheck"):
             benchmark.gpu_section(check | {"steps": {k: v for k, v in check["steps"].items() if k != "initcheck"}})
 
