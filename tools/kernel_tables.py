@@ -29,7 +29,6 @@ Equal bits: {residuals} residuals sum in {fixed:.3f} ms in the fixed order, in {
 {fixed_to_unordered:.2f} times as long. {contracted}
 """
 
-
 GPU_TEXT = """## On a GPU
 What `tools/gpu_check` last said (`docs/gpu_check.json`): {verdict}. {gpu}, {cpu}, {cores} cores. Of {run} tests of the core {passed} passed and {failed} failed;
 {compared} tests compared the GPU with the CPU bit for bit. compute-sanitizer: {sanitizers}. The same suite on that machine's CPU:
@@ -43,9 +42,9 @@ def gpu_section(check):
     tests, on_gpu, on_cpu = steps["tests"], steps["bench_cuda"]["report"], steps["bench_cpu"]["report"]
     sanitizers = ", ".join(f"{tool} found {steps[tool]['errors']} errors" if "errors" in steps[tool] else f"{tool} was not run"
                            for tool in ("memcheck", "initcheck", "racecheck"))
-    text = GPU_TEXT.format(verdict="all is well" if check["ok"] else check["why"], gpu=machine["gpu"], cpu=machine["cpu"], cores=machine["cores"], run=tests["run"], passed=tests["passed"],
-                           failed=tests["failed"], compared=tests["compared_with_gpu"], sanitizers=sanitizers,
-                           times=times_table(on_cpu))
+    text = GPU_TEXT.format(verdict="all is well" if check["ok"] else check["why"], gpu=machine["gpu"], cpu=machine["cpu"],
+                           cores=machine["cores"], run=tests["run"], passed=tests["passed"], failed=tests["failed"],
+                           compared=tests["compared_with_gpu"], sanitizers=sanitizers, times=times_table(on_cpu))
     return text + "\n" + kernels_section(on_gpu, f"Kernels on that GPU (Kintsugi {on_gpu['program_version']})")
 
 

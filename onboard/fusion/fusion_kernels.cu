@@ -3,6 +3,7 @@
 #include "onboard/fusion/brick_distance_kernel.h"
 #include "onboard/fusion/integrate_kernel.h"
 #include "onboard/fusion/raycast_kernel.h"
+#include "onboard/fusion/select_bricks_kernel.h"
 #include "onboard/fusion/slice_kernel.h"
 #include "onboard/fusion/stored_brick_kernel.h"
 #include "shared/exec/cuda_launch.cuh"

@@ -9,6 +9,7 @@
 #include "onboard/fusion/brick_distances.h"
 #include "onboard/fusion/integrate_kernel.h"
 #include "onboard/fusion/raycast_kernel.h"
+#include "onboard/fusion/select_bricks_kernel.h"
 #include "onboard/fusion/slice_extractor.h"
 #include "onboard/fusion/stored_brick_kernel.h"
 #include "onboard/preprocess/frame_motion.h"

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "onboard/fusion/integrate_kernel.h"
+#include "onboard/fusion/select_bricks_kernel.h"
 #include "shared/core/rng.h"
 #include "tests/onboard/fusion/made_volumes.h"
 
