@@ -57,10 +57,13 @@ struct BilateralFilter {
   }
 };
 
-/// One pyramid level up: the mean of those of the 2 x 2 pixels that lie within 3 sigma of the nearest one.
+/// One pyramid level up: the mean of those of the 2 x 2 pixels that lie on one surface with the nearest one.
+/// Without regard to its slope, only the nearer pixels of a slanted surface would count: every level would
+/// lie before the one below.
 struct HalveDepth {
   DepthView fine;
   DepthView coarse;  // layout of the output
+  float max_slope;   // of the fine level, as in ComputeNormal
   float* depth_m;    // out, bordered
 
   KT_HOST_DEVICE void operator()(int u, int v) const {
@@ -68,7 +71,7 @@ struct HalveDepth {
                         fine.at(2 * u + 1, 2 * v + 1)};
     float nearest = 1e9f;
     for (int k = 0; k < 4; ++k) nearest = z[k] > 0.0f ? min_of(nearest, z[k]) : nearest;
-    const float limit = nearest + 3.0f * depth_sigma_m(nearest);
+    const float limit = nearest + max_slope * nearest + 3.0f * depth_sigma_m(nearest);
     float sum = 0.0f, count = 0.0f;
     for (int k = 0; k < 4; ++k) {
       const float used = z[k] > 0.0f && z[k] <= limit ? 1.0f : 0.0f;

@@ -118,8 +118,9 @@ const FrameMaps& Preprocessor::process(const RgbdFrame& frame) {
     const PinholeParams& camera = level.camera;
     if (l > 0) {
       const SurfaceLevel& finer = maps_.levels[static_cast<size_t>(l - 1)];
-      exec::for_each_pixel(device_, camera.width, camera.height,
-                           HalveDepth{finer.depth_view(), level.depth_view(), level.depth.data()});
+      exec::for_each_pixel(
+          device_, camera.width, camera.height,
+          HalveDepth{finer.depth_view(), level.depth_view(), finer.max_slope, level.depth.data()});
     }
     exec::for_each_pixel(
         device_, camera.width, camera.height,

@@ -19,7 +19,7 @@ MISSIONS = {
     "wheels": ["room", "--frames", "24", "--downscale", "2", "--no-surface", "--odometry"],
     "room": ["room", "--frames", "90"],
     "moving": ["fast", "--frames", "30", "--downscale", "2", "--no-surface"],
-    "metered": ["room", "--frames", "110", "--downscale", "2", "--auto-exposure"],
+    "metered": ["room", "--frames", "125", "--downscale", "2", "--auto-exposure"],
     "turning": ["room", "--frames", "110", "--downscale", "2", "--no-surface"],
     "elsewhere": ["apartment", "--frames", "150", "--downscale", "2", "--no-surface"],
 }

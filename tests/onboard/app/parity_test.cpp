@@ -25,7 +25,7 @@ RecordedMission moving_mission() {
   AnalyticScene scene = AnalyticScene::room({-0.7, -0.7, -1}, {0.7, 0.7, 7});
   for (int k = 0; k < 8; ++k)
     scene = scene.with(Sphere{{k % 2 ? 0.6 : -0.6, k % 3 ? 0.5 : -0.5, 0.9 * k + 0.4}, 0.3});
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 33; ++i) {
     mission.frames.push_back(render(scene, mission.calibration,
                                     pose_of({0, 2 * std::sin(0.3 * i), 0}, {0, 0, 0.1 * i}),
                                     {.noise_sigmas = 0.3, .seed = 4, .sequence = i}));
