@@ -58,14 +58,8 @@ KeptPlaceSurface::KeptPlaceSurface(const exec::Device& cpu, const Image<uint16_t
   exec::for_each_pixel(cpu, camera.width, camera.height,
                        ComputeNormal{view, camera, kNormalStep_px, max_slope, normals.data()});
   exec::for_each_pixel(cpu, camera.width, camera.height,
-                       UnprojectDepth{view, camera, normals.data(), points.data()});
-  for (size_t i = 0; i < points.size(); ++i) {
-    Vec4f& point = points[i];
-    const auto row = static_cast<float>(static_cast<int>(i) / camera.width);
-    const Vec3f settled = shutter.to_middle({point.x, point.y, point.z}, row);
-    if (point.w > 0) point = {settled.x, settled.y, settled.z, point.w};
-    points_seen += point.w > 0;
-  }
+                       UnprojectDepth{view, camera, normals.data(), points.data(), shutter});
+  points_seen = std::ranges::count_if(points, [](const Vec4f& point) { return point.w > 0; });
 }
 
 SurfaceAligner::SurfaceAligner(const PinholeParams& camera)

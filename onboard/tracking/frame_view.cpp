@@ -24,10 +24,10 @@ SurfaceMemory::SurfaceMemory(const exec::Device& device, const Calibration& cali
       depths_(device, DepthView::padded_size(coarsest(calibration).width, coarsest(calibration).height),
               capacity) {}
 
-KeptSurface SurfaceMemory::keep(const FrameMaps& maps) {
+KeptSurface SurfaceMemory::keep(const FrameMaps& maps, const FrameMotion& motion) {
   const SurfaceLevel& level = maps.levels[kLevel];
   KT_CHECK(level.depth.size() == depths_.block_size());
-  KeptSurface kept{depths_.take(), level.normal_step, level.max_slope};
+  KeptSurface kept{depths_.take(), level.normal_step, level.max_slope, motion.depth_rows(level.camera)};
   exec::for_each(device_, depths_.block_size(), CopyFloats{level.depth.data(), kept.depth.get()});
   return kept;
 }
@@ -45,8 +45,9 @@ const ModelView& FrameViews::view(const KeptSurface& surface, const Pose& T_odom
   exec::for_each_pixel(
       device_, camera_.width, camera_.height,
       ComputeNormal{depth, camera_, surface.normal_step, surface.max_slope, view_.normals.data()});
-  exec::for_each_pixel(device_, camera_.width, camera_.height,
-                       UnprojectDepth{depth, camera_, view_.normals.data(), view_.points.data()});
+  exec::for_each_pixel(
+      device_, camera_.width, camera_.height,
+      UnprojectDepth{depth, camera_, view_.normals.data(), view_.points.data(), surface.shutter});
   return view_;
 }
 

@@ -2,17 +2,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "onboard/preprocess/frame_motion.h"
 #include "onboard/preprocess/model_view.h"
 #include "onboard/preprocess/preprocessor.h"
 #include "shared/exec/block_pool.h"
 
 namespace kt {
 
-/// Its depth at the coarsest level, on the device, and how its normals are made (SurfaceLevel).
+/// Its depth at the coarsest level, on the device, how its normals are made (SurfaceLevel), and how its
+/// camera moved.
 struct KeptSurface {
   exec::BlockPool<float>::Block depth;  ///< bordered
   int32_t normal_step = 1;
   float max_slope = 0;
+  RowMotion shutter;
 };
 
 /// Memory for up to `capacity` surfaces at a time, allocated at once.
@@ -20,8 +23,8 @@ class SurfaceMemory {
  public:
   SurfaceMemory(const exec::Device& device, const Calibration& calibration, int64_t capacity);
 
-  /// The surface of a frame. Its memory serves again when it goes.
-  KeptSurface keep(const FrameMaps& maps);
+  /// The surface of a frame; `motion` is that of its camera. Its memory serves again when it goes.
+  KeptSurface keep(const FrameMaps& maps, const FrameMotion& motion = {});
 
  private:
   exec::Device device_;

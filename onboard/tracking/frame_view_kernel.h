@@ -4,6 +4,7 @@
 
 #include "onboard/preprocess/depth_map.h"
 #include "shared/core/pinhole.h"
+#include "shared/core/row_motion.h"
 
 namespace kt {
 
@@ -13,17 +14,19 @@ struct CopyFloats {
   KT_HOST_DEVICE void operator()(int64_t i) const { to[i] = from[i]; }
 };
 
-/// Points of the pixels that have a normal.
+/// Points of the pixels that have a normal, in the camera at the time of the middle row.
 struct UnprojectDepth {
   DepthView depth;
   PinholeParams camera;
   const Vec4f* normals;
-  Vec4f* points;  // out: in the camera (m), w = 1 where valid, else all 0
+  Vec4f* points;        // out: in the camera (m), w = 1 where valid, else all 0
+  RowMotion shutter{};  // of `camera`
 
   KT_HOST_DEVICE void operator()(int u, int v) const {
     const int64_t i = int64_t{v} * camera.width + u;
     const float valid = normals[i].w;
-    const Vec3f p = camera.unproject(static_cast<float>(u), static_cast<float>(v), depth.at(u, v));
+    const auto row = static_cast<float>(v);
+    const Vec3f p = shutter.to_middle(camera.unproject(static_cast<float>(u), row, depth.at(u, v)), row);
     points[i] = {valid * p.x, valid * p.y, valid * p.z, valid};
   }
 };

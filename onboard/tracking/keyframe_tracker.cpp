@@ -55,7 +55,8 @@ std::optional<int> KeyframeTracker::nearest(int segment, const Pose& T_odom_came
 void KeyframeTracker::remember(int64_t sequence, int segment, const Pose& T_odom_camera) {
   const auto nearest = store_.nearest(segment, T_odom_camera, maps_->timestamp_us - kRecent_us);
   if (nearest && nearest->distance < config_.keyframe_distance) return;
-  store_.add({sequence, maps_->timestamp_us, segment, T_odom_camera, features(), surfaces_.keep(*maps_)});
+  store_.add(
+      {sequence, maps_->timestamp_us, segment, T_odom_camera, features(), surfaces_.keep(*maps_, motion_)});
 }
 
 }  // namespace kt

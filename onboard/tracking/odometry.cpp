@@ -58,14 +58,15 @@ Odometry::Odometry(const exec::Device& device, const Calibration& calibration, c
 
 void Odometry::remember(const FrameMaps& maps, const ModelView* model) {
   rotation_aligner_.remember(maps);
-  last_surface_ = last_surfaces_.keep(maps);
+  const FrameMotion motion(maps, steady_velocity_);
+  last_surface_ = last_surfaces_.keep(maps, motion);
   keyframes_.remember(last_good_.sequence, last_good_.segment, last_good_.T_odom_camera);
   if (!model) return;  // the image reference needs surface seen from where the frame is
   const Pose T_reference_model = reference_.T_odom_reference().inverse() * model->T_odom_camera;
   const bool is_near =
       is_within(T_reference_model, config_.reference_distance_m, config_.reference_angle_deg * kDegree);
   if (is_near && !reference_.is_empty()) return;
-  reference_.take(maps, *model, FrameMotion(maps, steady_velocity_));
+  reference_.take(maps, *model, motion);
   exposure_ = {};
 }
 
@@ -128,13 +129,16 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
                    best.result.quality.inlier_share >= config_.sure_inlier_share;
   };
 
-  Pose T_last_turned = predicted_motion(dt_s);
-  T_last_turned.linear() = rotation_aligner_.align(maps, T_last_turned.linear());
-  const Pose T_odom_guess = T_odom_last * T_last_turned;
+  const Pose T_odom_guess = T_odom_last * rotation_aligner_.align(maps, predicted_motion(dt_s));
   attempt(&reference_, T_odom_guess, view_at(T_odom_last * carried_motion()), PoseSource::kModel);
+  if (best.is_sure) is_model_rough_ = false;
   if (best.is_sure && best.result.quality.free_directions == 0 && dt_s <= kReach_s) return best;
   tried_fallbacks_ = true;
 
+  if (is_model_rough_ && dt_s <= kLongestPairwise_s) {
+    attempt(&reference_, T_odom_guess, views_.view(last_surface_, T_odom_last), PoseSource::kPairwise);
+    if (best.is_sure) return best;
+  }
   const auto found = keyframes_.find_near(last_good_.segment, T_odom_guess);
   if (found && found->alignment.status == FeatureStatus::kOk) {
     // Features and surface are independent witnesses.
@@ -297,7 +301,10 @@ StampedPose Odometry::conclude(const FrameMaps& maps, const Estimate& estimate, 
     velocity_ = is_followed
                     ? Vector6d(log_se3(last_good_.T_odom_camera.inverse() * pose.T_odom_camera) / dt_s)
                     : Vector6d(Vector6d::Zero());
-    if (!is_followed) reference_.forget();
+    if (!is_followed) {
+      reference_.forget();
+      is_model_rough_ = true;
+    }
     unconstrained_us_ = estimate.unconstrained_us;
     last_good_ = pose;
     exposure_ = result_.exposure;

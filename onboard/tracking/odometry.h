@@ -112,7 +112,11 @@ class Odometry {
   FrameViews views_;
   SurfaceMemory last_surfaces_;
   KeptSurface last_surface_;  // of the last good frame
-  Exposure exposure_;         // of the last good frame against the reference
+  // Whether the model, new, has not yet fitted a frame well. From farther than some 2 m the noise of a few
+  // frames turns its normals by more than the pairs of a fit may differ; the filtered surface of the last
+  // frame serves in its place.
+  bool is_model_rough_ = true;
+  Exposure exposure_;  // of the last good frame against the reference
   MotionPrior motion_prior_;
   TrackResult result_;
   std::optional<RelativeMotion> motion_;  // what another sensor says, from the last good frame to this one

@@ -100,36 +100,6 @@ struct PhotometricResidual {
   }
 };
 
-/// Residuals of a camera that only turns, between two whole images: pixel i of the last one, seen at
-/// infinity. The unknowns are the left perturbation omega of R_last_current, in the colour camera, and the
-/// exposure; those of the translation mean nothing.
-struct RotationResidual {
-  static constexpr int kUnknowns = kPhotometricUnknowns;
-
-  IntensityView last;  // of the same camera as the image
-  Mat3f R_current_last;
-  PhotometricImage image;
-
-  KT_HOST_DEVICE exec::ResidualRowOf<kUnknowns> operator()(int64_t i) const { return exec::row_at(*this, i); }
-
-  template <int kLanes>
-  KT_HOST_DEVICE void rows(int64_t i, exec::ResidualRowsOf<kUnknowns, kLanes>* rows) const {
-    PixelsOf<kLanes> pixels(i, last.width);
-    Vec3fs<kLanes> q, c;
-    float reference[kLanes];
-    for (int l = 0; l < kLanes; ++l) {
-      const Vec3f ray =
-          image.camera.unproject(static_cast<float>(pixels.u[l]), static_cast<float>(pixels.v[l]), 1.0f);
-      Vec3f at = R_current_last * ray;
-      reference[l] = last.levels[i + l];
-      at.z = reference[l] < 0.0f ? -1.0f : at.z;  // nothing is shown there: not in front
-      q.set(l, ray);
-      c.set(l, at);
-    }
-    image.residuals(reference, q, c, R_current_last, rows);
-  }
-};
-
 /// Picks the points of the reference: pixels where its image changes enough to tell a motion. They lie on the
 /// model surface, and where there is none (beyond the volume, say) on the surface that the reference itself
 /// measured.
@@ -186,6 +156,35 @@ struct RatePhotometricPoint {
       }
     }
     return false;
+  }
+};
+
+/// Points of a frame by its own depth, at every second pixel of either axis, with what its image shows there.
+/// A pixel without depth is taken for far away.
+struct SamplePhotometricPoint {
+  DepthView depth;
+  PinholeParams depth_camera;
+  Rigid3f T_colour_depth;
+  IntensityView intensity;
+  PinholeParams camera;  // colour
+  Vec4f* points;         // out: in the depth camera (m), w = intensity; (0, 0, -1, 0) where none is shown
+
+  KT_HOST_DEVICE static int64_t count(const PinholeParams& depth_camera) {
+    return int64_t{depth_camera.width / 2} * (depth_camera.height / 2);
+  }
+
+  KT_HOST_DEVICE void operator()(int64_t i) const {
+    constexpr float kFar_m = 1000.0f;
+    const int columns = depth_camera.width / 2;
+    const int u = static_cast<int>(i % columns) * 2, v = static_cast<int>(i / columns) * 2;
+    const float z = depth.at(u, v);
+    const Vec3f p =
+        depth_camera.unproject(static_cast<float>(u), static_cast<float>(v), z > 0.0f ? z : kFar_m);
+    const Vec3f c = T_colour_depth * p;
+    float level = 0.0f, by_u = 0.0f, by_v = 0.0f;
+    const bool is_shown =
+        c.z > 0.05f && intensity.sample(camera.project_u(c), camera.project_v(c), &level, &by_u, &by_v);
+    points[i] = is_shown ? Vec4f{p.x, p.y, p.z, level} : Vec4f{0.0f, 0.0f, -1.0f, 0.0f};
   }
 };
 

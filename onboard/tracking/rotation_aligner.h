@@ -1,5 +1,5 @@
-// How far the camera has turned since the last good frame, from the images alone: a guess that holds through
-// fast turns.
+// How far the camera has turned since the last good frame, from the images: a guess that holds through fast
+// turns.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,18 +12,19 @@ class RotationAligner {
  public:
   RotationAligner(const exec::Device& device, const Calibration& calibration);
 
-  /// Keeps the image that later frames are aligned with.
+  /// Keeps the image that later frames are aligned with, and its depth.
   void remember(const FrameMaps& maps);
 
-  /// Rotation R_last_current of the depth camera, found from `R_guess` by direct alignment of the smallest
-  /// images (SO(3) pre-alignment, Lovegrove and Davison 2010); the guess where that does not fit better, or
-  /// one of the frames has no colour.
-  Eigen::Matrix3d align(const FrameMaps& maps, const Eigen::Matrix3d& R_guess);
+  /// Pose T_last_current of the depth camera: `T_guess` turned about its own place, found by direct alignment
+  /// of the smallest images (SO(3) pre-alignment, Lovegrove and Davison 2010). Each pixel moves as its depth
+  /// says that it does by the guess's translation: otherwise a step to the side before a wall looks like a
+  /// turn. The guess where that does not fit better, or one of the frames has no colour.
+  Pose align(const FrameMaps& maps, const Pose& T_guess);
 
  private:
   exec::Device device_;
-  Eigen::Matrix3d R_colour_depth_;
-  exec::Buffer<float> last_;
+  Pose T_colour_depth_;
+  exec::Buffer<Vec4f> last_;  // as of SamplePhotometricPoint
   bool has_last_ = false;
   int64_t last_us_ = 0, last_colour_us_ = 0;
   exec::ReductionWorkspace workspace_;

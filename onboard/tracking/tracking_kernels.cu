@@ -9,9 +9,9 @@
 KT_INSTANTIATE_REDUCE(kt::PointToPlane);
 KT_INSTANTIATE_REDUCE(kt::JudgePixel);
 KT_INSTANTIATE_REDUCE(kt::PhotometricResidual);
-KT_INSTANTIATE_REDUCE(kt::RotationResidual);
 KT_INSTANTIATE_FOR_EACH(kt::RatePhotometricPoint);
 KT_INSTANTIATE_FOR_EACH(kt::GatherPhotometricPoint);
+KT_INSTANTIATE_FOR_EACH(kt::SamplePhotometricPoint);
 KT_INSTANTIATE_FOR_EACH(kt::CopyFloats);
 KT_INSTANTIATE_FOR_EACH(kt::DetectFeature);
 KT_INSTANTIATE_FOR_EACH_PIXEL(kt::SmoothIntensity);

@@ -42,8 +42,13 @@ const Pose kHere = pose_of({3, -5, 2}, {0.1, -0.1, 0.1}), kThere = pose_of({-10,
 TEST(FrameViews, GivesBackTheFramesOwnPointsAndNormals) {
   for (const exec::Device& device : parity_devices()) {
     Rig rig{.device = device};
+    rig.calibration.readout_s = 0.03;
+    rig.preprocessor = Preprocessor(device, rig.calibration, {});
     const FrameMaps& maps = rig.maps_at(kHere);
-    const KeptSurface kept = rig.surfaces.keep(maps);
+    Vector6d velocity;
+    velocity << 0.5, -1, 0.2, 0.1, 0.3, -0.4;
+    const FrameMotion motion(maps, velocity);
+    const KeptSurface kept = rig.surfaces.keep(maps, motion);
     const SurfaceLevel& level = maps.levels.back();
     const std::vector<Vec4f> normals = level.normals.downloaded();
     const std::vector<float> depth = level.depth.downloaded();
@@ -58,8 +63,10 @@ TEST(FrameViews, GivesBackTheFramesOwnPointsAndNormals) {
     const DepthView depth_view{depth.data(), view.camera.width, view.camera.height};
     for (int v = 0; v < view.camera.height; ++v) {
       for (int u = 0; u < view.camera.width; ++u) {
+        const auto row = static_cast<float>(v);
         const Vec3f p =
-            view.camera.unproject(static_cast<float>(u), static_cast<float>(v), depth_view.at(u, v));
+            motion.depth_rows(view.camera)
+                .to_middle(view.camera.unproject(static_cast<float>(u), row, depth_view.at(u, v)), row);
         const bool is_valid = normals[points.size()].w > 0;
         points.push_back(is_valid ? Vec4f{p.x, p.y, p.z, 1.0f} : Vec4f{});
       }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onboard/tracking/photometric_kernel.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <vector>
@@ -32,14 +33,19 @@ void expect_near(double jacobian, double difference, int k) {
   EXPECT_NEAR(jacobian, difference, 0.2 + 0.01 * std::abs(difference)) << "parameter " << k;
 }
 
-TEST(PhotometricResidual, JacobianEqualsCentralDifferences) {
-  const std::vector<float> levels = plane_image(kWidth, kHeight);
+std::vector<Vec4f> random_points(uint64_t count) {
   std::vector<Vec4f> points;
-  for (uint64_t i = 0; i < 300; ++i) {
+  for (uint64_t i = 0; i < count; ++i) {
     const auto random = [&](uint64_t stream) { return static_cast<float>(random_uniform(7, stream, i)); };
     const float z = 0.8f + 2 * random(2);
     points.push_back({(random(0) - 0.5f) * z, (random(1) - 0.5f) * 0.7f * z, z, 255 * random(3)});
   }
+  return points;
+}
+
+TEST(PhotometricResidual, JacobianEqualsCentralDifferences) {
+  const std::vector<float> levels = plane_image(kWidth, kHeight);
+  const std::vector<Vec4f> points = random_points(300);
   const Pose T_model_reference = pose_of({3, -4, 10}, {0.1, -0.05, 0.02}),
              T_colour_depth = pose_of({0.5, 1, 0}, {-0.025, 0.01, 0});
   const Pose T_model_current = pose_of({-2, 3, 5}, {0.04, 0.02, -0.03});
@@ -74,49 +80,18 @@ TEST(PhotometricResidual, JacobianEqualsCentralDifferences) {
   EXPECT_GT(compared, 1500);
 }
 
-TEST(RotationResidual, JacobianEqualsCentralDifferences) {
-  const std::vector<float> last = plane_image(kWidth, kHeight), now = plane_image(kWidth, kHeight);
-  const Eigen::Matrix3d R_last_current = exp_so3({0.03, -0.05, 0.02});
-  const auto at = [&](const Eigen::Matrix3d& R, float gain, float bias) {
-    return RotationResidual{{last.data(), kWidth, kHeight},
-                            to_rigid3f(Pose(R.transpose())).R,
-                            {{now.data(), kWidth, kHeight}, kCamera, {gain, bias}, 5.0f, 2.5f}};
-  };
-  const RotationResidual here = at(R_last_current, -0.1f, 2.0f);
-  constexpr double kStep = 1e-3;
-  int compared = 0;
-  for (int64_t i = 5; i < kWidth * kHeight; i += 37) {
-    const auto row = here(i);
-    if (row.weight == 0) continue;
-    for (const int k : {0, 1, 2, kGainUnknown, kBiasUnknown}) {
-      exec::ResidualRowOf<kPhotometricUnknowns> ahead, behind;
-      if (k < 3) {
-        ahead = at(exp_so3(kStep * Eigen::Vector3d::Unit(k)) * R_last_current, -0.1f, 2.0f)(i);
-        behind = at(exp_so3(-kStep * Eigen::Vector3d::Unit(k)) * R_last_current, -0.1f, 2.0f)(i);
-      } else {
-        const auto step = static_cast<float>(kStep);
-        const float gain = k == kGainUnknown ? step : 0, bias = k == kBiasUnknown ? step * kBiasUnit : 0;
-        ahead = at(R_last_current, -0.1f + gain, 2.0f + bias)(i);
-        behind = at(R_last_current, -0.1f - gain, 2.0f - bias)(i);
-      }
-      if (ahead.weight == 0 || behind.weight == 0) continue;
-      ++compared;
-      expect_near(row.jacobian[k], static_cast<double>(ahead.residual - behind.residual) / (2 * kStep), k);
-    }
-  }
-  EXPECT_GT(compared, 1500);
-}
-
 // A GPU computes one residual per thread.
-TEST(RotationResidual, LanesGiveTheSameBits) {
-  std::vector<float> last = plane_image(kWidth, kHeight);
-  const std::vector<float> now = plane_image(kWidth, kHeight);
-  for (size_t i = 0; i < last.size(); i += 13) last[i] = -1;  // shows nothing
-  const RotationResidual residual{{last.data(), kWidth, kHeight},
-                                  to_rigid3f(Pose(exp_so3({0.03, -0.05, 0.02}))).R,
-                                  {{now.data(), kWidth, kHeight}, kCamera, {-0.1f, 2.0f}, 5.0f, 2.5f}};
+TEST(PhotometricResidual, LanesGiveTheSameBits) {
+  std::vector<float> levels = plane_image(kWidth, kHeight);
+  for (size_t i = 0; i < levels.size(); i += 13) levels[i] = -1;  // shows nothing
+  std::vector<Vec4f> points = random_points(4000);
+  for (size_t i = 0; i < points.size(); i += 11) points[i] = {0, 0, -1, 0};
+  const PhotometricResidual residual{points.data(),
+                                     to_rigid3f(pose_of({3, -4, 10}, {0.1, -0.05, 0.02})),
+                                     to_rigid3f(pose_of({0.5, 1, 0}, {-0.025, 0.01, 0})),
+                                     {{levels.data(), kWidth, kHeight}, kCamera, {-0.1f, 2.0f}, 5.0f, 2.5f}};
   int compared = 0;
-  for (int64_t i = 3; i + 8 <= kWidth * kHeight; i += 8) {
+  for (int64_t i = 3; i + 8 <= std::ssize(points); i += 8) {
     exec::ResidualRowsOf<kPhotometricUnknowns, 8> rows;
     residual.rows<8>(i, &rows);
     for (int l = 0; l < 8; ++l) {
@@ -126,6 +101,42 @@ TEST(RotationResidual, LanesGiveTheSameBits) {
     }
   }
   EXPECT_GT(compared, 1000);
+}
+
+// The image's plane of levels tells at which pixel each was taken.
+TEST(SamplePhotometricPoint, HoldsTheDepthAndWhatIsSeenThere) {
+  constexpr int kDepthWidth = 80, kDepthHeight = 60;
+  constexpr PinholeParams depth_camera{64, 65, 40, 29, kDepthWidth, kDepthHeight};
+  const Pose T_colour_depth = pose_of({0, 0, 90}, {-0.03, 0.01, 0});
+  std::vector<float> depth(static_cast<size_t>(DepthView::padded_size(kDepthWidth, kDepthHeight)), 1.5f);
+  const DepthView view{depth.data(), kDepthWidth, kDepthHeight};
+  depth[static_cast<size_t>(view.index(40, 30))] = 0;
+  depth[static_cast<size_t>(view.index(44, 30))] = 0.7f;
+  const std::vector<float> levels = plane_image(kWidth, kHeight);
+  std::vector<Vec4f> points(static_cast<size_t>(SamplePhotometricPoint::count(depth_camera)));
+  const SamplePhotometricPoint sample{
+      view,    depth_camera, to_rigid3f(T_colour_depth), {levels.data(), kWidth, kHeight},
+      kCamera, points.data()};
+  int hidden = 0;
+  for (int64_t i = 0; i < std::ssize(points); ++i) {
+    sample(i);
+    const int u = static_cast<int>(i % 40) * 2, v = static_cast<int>(i / 40) * 2;
+    const float z = view.at(u, v) > 0 ? view.at(u, v) : 1000;
+    const Eigen::Vector3d p((u - 40) / 64.0 * z, (v - 29) / 65.0 * z, z), c = T_colour_depth * p;
+    const double at_u = c.x() / c.z() * 128 + 79, at_v = c.y() / c.z() * 130 + 61;
+    const Vec4f& point = points[static_cast<size_t>(i)];
+    const double from_rim = std::min({at_u, at_v, kWidth - 1 - at_u, kHeight - 1 - at_v});
+    if (std::abs(from_rim) < 1e-3) continue;
+    if (from_rim < 0) {
+      ++hidden;
+      EXPECT_EQ(point.z, -1) << u << ' ' << v;
+      continue;
+    }
+    EXPECT_LT((Eigen::Vector3d(point.x, point.y, point.z) - p).norm(), 1e-5 * z) << u << ' ' << v;
+    EXPECT_NEAR(point.w, 20 + 0.9 * at_u + 0.6 * at_v, 1e-2) << u << ' ' << v;
+  }
+  EXPECT_GT(hidden, 50);
+  EXPECT_LT(hidden, 600);
 }
 
 // A frame at the reference's own place sees every point as bright as the reference did.

@@ -13,20 +13,25 @@ namespace kt::test {
 namespace {
 
 struct Turn {
+  AnalyticScene scene = furnished_room();
+  RenderOptions render_options;
   Calibration calibration = small_calibration(2);
   Pose T_last_current = Pose::Identity();
   double exposure = 1;
   double colour_delay = 0;  // how long after the depth image the colour image is taken, in frame intervals
   exec::Device device = exec::Device::cpu(1);
 
-  Eigen::Matrix3d aligned(const Eigen::Matrix3d& R_guess = Eigen::Matrix3d::Identity()) const {
+  Pose aligned(const Pose& T_guess = Pose::Identity()) const {
     Preprocessor preprocessor(device, calibration, {});
     RotationAligner aligner(device, calibration);
-    aligner.remember(preprocessor.process(render(furnished_room(), calibration, Pose::Identity())));
+    aligner.remember(preprocessor.process(render(scene, calibration, Pose::Identity(), render_options)));
     const Eigen::Vector3d turn = log_so3(T_last_current.linear());
-    Pose T_last_shutter = T_last_current;
+    Pose T_last_shutter;
     T_last_shutter.linear() = exp_so3((1 + colour_delay) * turn);
-    RgbdFrame frame = render(furnished_room(), calibration, T_last_shutter, {.sequence = 1});
+    T_last_shutter.translation() = (1 + colour_delay) * T_last_current.translation();
+    RenderOptions second = render_options;
+    second.sequence = 1;
+    RgbdFrame frame = render(scene, calibration, T_last_shutter, second);
     frame.colour_timestamp_us += std::lround(colour_delay * 1e6 / 30);
     for (Rgb8& c : frame.colour.pixels()) {
       const auto exposed = [this](uint8_t level) {
@@ -34,10 +39,10 @@ struct Turn {
       };
       c = {exposed(c.r), exposed(c.g), exposed(c.b)};
     }
-    return aligner.align(preprocessor.process(frame), R_guess);
+    return aligner.align(preprocessor.process(frame), T_guess);
   }
-  double error_deg(const Eigen::Matrix3d& R) const {
-    return log_so3(R.transpose() * T_last_current.linear()).norm() * 180 / 3.14159265358979;
+  double error_deg(const Pose& T) const {
+    return log_so3(T.linear().transpose() * T_last_current.linear()).norm() * 180 / 3.14159265358979;
   }
 };
 
@@ -60,6 +65,20 @@ TEST(RotationAligner, KnowsWhenTheImagesWereTaken) {
   }
 }
 
+// Sideways past a wall, the image moves as it would in a turn of 1.1 degrees.
+TEST(RotationAligner, KnowsHowFarTheCameraMoves) {
+  const Eigen::Vector3d step(0.02, -0.01, 0.01);
+  Turn trial;
+  trial.scene = AnalyticScene({Plane{{0, 0, -1}, -1}});
+  trial.render_options.blotches_m = 0.1;
+  trial.T_last_current = pose_of({0.5, 1.5, -0.5}, step);
+  EXPECT_LT(trial.error_deg(trial.aligned(pose_of({0, 0, 0}, step))), 0.1);
+  EXPECT_GT(trial.error_deg(trial.aligned(pose_of({0, 0, 0}, {0, 0, 0}))), 0.8) << "the wall tells nothing";
+  trial.colour_delay = -0.3;  // moves less between the images than between the depth images
+  trial.calibration.T_colour_depth = pose_of({0, 0, 90}, {-0.03, 0, 0});
+  EXPECT_LT(trial.error_deg(trial.aligned(pose_of({0, 0, 0}, step))), 0.15);
+}
+
 TEST(RotationAligner, TurnsInTheFrameOfTheDepthCamera) {
   Turn trial;
   trial.calibration.T_colour_depth = pose_of({0, 0, 90}, {-0.02, 0, 0});
@@ -72,21 +91,22 @@ TEST(RotationAligner, KeepsTheGuessWhereItCannotTell) {
   const exec::Device device = exec::Device::cpu(1);
   Preprocessor preprocessor(device, calibration, {});
   RotationAligner aligner(device, calibration);
-  const Eigen::Matrix3d guess = pose_of({1, 2, 3}, {0, 0, 0}).linear();
+  const Pose guess = pose_of({1, 2, 3}, {0.1, 0, 0});
   RgbdFrame frame = render(furnished_room(), calibration, Pose::Identity());
-  EXPECT_EQ(aligner.align(preprocessor.process(frame), guess), guess) << "nothing to compare with";
+  EXPECT_EQ(aligner.align(preprocessor.process(frame), guess).matrix(), guess.matrix())
+      << "nothing to compare with";
   aligner.remember(preprocessor.process(frame));
   frame.colour = {};
-  EXPECT_EQ(aligner.align(preprocessor.process(frame), guess), guess) << "no colour";
+  EXPECT_EQ(aligner.align(preprocessor.process(frame), guess).matrix(), guess.matrix()) << "no colour";
 }
 
 TEST(RotationAligner, GivesTheSameBitsOnEveryDevice) {
   Turn trial;
   trial.T_last_current = pose_of({-4, 5, 3}, {0.02, -0.01, 0.02});
-  const Eigen::Matrix3d reference = trial.aligned();
+  const Pose reference = trial.aligned();
   for (const exec::Device& device : parity_devices()) {
     trial.device = device;
-    EXPECT_EQ(trial.aligned(), reference) << name_of(device);
+    EXPECT_EQ(trial.aligned().matrix(), reference.matrix()) << name_of(device);
   }
 }
 
