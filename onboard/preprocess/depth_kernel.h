@@ -59,7 +59,7 @@ struct BilateralFilter {
 
 /// One pyramid level up: the mean of those of the 2 x 2 pixels that lie on one surface with the nearest one.
 /// Without regard to its slope, only the nearer pixels of a slanted surface would count: every level would
-/// lie before the one below.
+/// lie before the one below. (Of a slope along the diagonal the farthest pixel counts up to 76 degrees.)
 struct HalveDepth {
   DepthView fine;
   DepthView coarse;  // layout of the output

@@ -7,10 +7,10 @@
 namespace kt {
 namespace {
 
-// A frame is placed against the model, so most of its error is its own, and the next edge takes it back: of a
-// chain of edges this share of their variances lasts. Beside it the model drifts as it grows: variance per
-// radian turned (rad^2) and per metre gone (m^2). Calibrated on synthetic missions, docs/tracking.md.
-constexpr double kLastingShare = 1.0 / 1000, kDriftPerTurn = 3e-8, kDriftPerMove = 3e-7;
+// Of a frame placed against the model most of the error is its own, and the next edge takes it back: of a
+// chain of such edges this share of their variances lasts. Beside it the model drifts as it grows: variance
+// per radian turned (rad^2) and per metre gone (m^2). Calibrated on synthetic missions, docs/tracking.md.
+constexpr double kLastingShare = 1.0 / 2000, kDriftPerTurn = 1.5e-8, kDriftPerMove = 1.5e-7;
 
 // Where nothing is measured the motion is guessed, to so much (rad/s, m/s).
 constexpr double kGuessedTurn = 0.2, kGuessedMove = 0.1;
@@ -18,7 +18,7 @@ constexpr double kGuessedTurn = 0.2, kGuessedMove = 0.1;
 }  // namespace
 
 Matrix6d edge_information(const Matrix6d& measured, const Matrix6d& sensed, const Pose& T_last_current,
-                          double dt_s) {
+                          double dt_s, bool is_against_model) {
   const auto both = [](double rotation, double translation) {
     Vector6d diagonal;
     diagonal << Eigen::Vector3d::Constant(rotation), Eigen::Vector3d::Constant(translation);
@@ -29,7 +29,7 @@ Matrix6d edge_information(const Matrix6d& measured, const Matrix6d& sensed, cons
     return (result + result.transpose()) / 2;
   };
   const double turn = kGuessedTurn * dt_s, move = kGuessedMove * dt_s;
-  Matrix6d information = measured / kLastingShare;
+  Matrix6d information = measured / (is_against_model ? kLastingShare : 1);
   information.diagonal() += both(1 / (turn * turn), 1 / (move * move));
   information += sensed;
   Matrix6d covariance = inverse(information);

@@ -24,7 +24,7 @@ class SurfaceMemory {
   SurfaceMemory(const exec::Device& device, const Calibration& calibration, int64_t capacity);
 
   /// The surface of a frame; `motion` is that of its camera. Its memory serves again when it goes.
-  KeptSurface keep(const FrameMaps& maps, const FrameMotion& motion = {});
+  KeptSurface keep(const FrameMaps& maps, const FrameMotion& motion);
 
  private:
   exec::Device device_;

@@ -52,11 +52,12 @@ std::optional<int> KeyframeTracker::nearest(int segment, const Pose& T_odom_came
   return found ? std::optional(found->index) : std::nullopt;
 }
 
-void KeyframeTracker::remember(int64_t sequence, int segment, const Pose& T_odom_camera) {
+void KeyframeTracker::remember(int64_t sequence, int segment, const Pose& T_odom_camera,
+                               const FrameMotion& motion) {
   const auto nearest = store_.nearest(segment, T_odom_camera, maps_->timestamp_us - kRecent_us);
   if (nearest && nearest->distance < config_.keyframe_distance) return;
   store_.add(
-      {sequence, maps_->timestamp_us, segment, T_odom_camera, features(), surfaces_.keep(*maps_, motion_)});
+      {sequence, maps_->timestamp_us, segment, T_odom_camera, features(), surfaces_.keep(*maps_, motion)});
 }
 
 }  // namespace kt

@@ -37,8 +37,9 @@ class KeyframeTracker {
   /// The keyframe of `segment` nearest to a pose, however old it is.
   std::optional<int> nearest(int segment, const Pose& T_odom_camera) const;
 
-  /// Makes a keyframe of the frame, seen from T_odom_camera, where there is no recent one near.
-  void remember(int64_t sequence, int segment, const Pose& T_odom_camera);
+  /// Makes a keyframe of the frame, seen from T_odom_camera by a camera in `motion`, where there is no recent
+  /// one near.
+  void remember(int64_t sequence, int segment, const Pose& T_odom_camera, const FrameMotion& motion);
 
   const StoredKeyframe& keyframe(int index) const { return store_.at(index); }
 

@@ -60,7 +60,7 @@ void Odometry::remember(const FrameMaps& maps, const ModelView* model) {
   rotation_aligner_.remember(maps);
   const FrameMotion motion(maps, steady_velocity_);
   last_surface_ = last_surfaces_.keep(maps, motion);
-  keyframes_.remember(last_good_.sequence, last_good_.segment, last_good_.T_odom_camera);
+  keyframes_.remember(last_good_.sequence, last_good_.segment, last_good_.T_odom_camera, motion);
   if (!model) return;  // the image reference needs surface seen from where the frame is
   const Pose T_reference_model = reference_.T_odom_reference().inverse() * model->T_odom_camera;
   const bool is_near =
@@ -131,13 +131,17 @@ Odometry::Estimate Odometry::follow(const FrameMaps& maps, const ModelView& mode
 
   const Pose T_odom_guess = T_odom_last * rotation_aligner_.align(maps, predicted_motion(dt_s));
   attempt(&reference_, T_odom_guess, view_at(T_odom_last * carried_motion()), PoseSource::kModel);
+  const auto is_enough = [&] {
+    return best.is_sure && best.result.quality.free_directions == 0 && dt_s <= kReach_s;
+  };
   if (best.is_sure) is_model_rough_ = false;
-  if (best.is_sure && best.result.quality.free_directions == 0 && dt_s <= kReach_s) return best;
+  if (is_enough()) return best;
   tried_fallbacks_ = true;
 
-  if (is_model_rough_ && dt_s <= kLongestPairwise_s) {
+  if (is_model_rough_ && best.result.status != TrackingStatus::kGood && dt_s <= kLongestPairwise_s) {
     attempt(&reference_, T_odom_guess, views_.view(last_surface_, T_odom_last), PoseSource::kPairwise);
-    if (best.is_sure) return best;
+    best.is_against_model = best.source == PoseSource::kModel;
+    if (is_enough()) return best;
   }
   const auto found = keyframes_.find_near(last_good_.segment, T_odom_guess);
   if (found && found->alignment.status == FeatureStatus::kOk) {
@@ -177,7 +181,8 @@ void Odometry::doubt(const FrameMaps& maps, Estimate& estimate) const {
   if (result.quality.free_directions > 0 && !estimate.has_witness)
     estimate.unconstrained_us = unconstrained_us_ + maps.timestamp_us - last_good_.timestamp_us;
   // A fair fit may be a wrong one then; a right one fits about as well as the last good frame did.
-  const double asked = std::max(config_.return_inlier_share, kReturnShare * last_good_.quality.inlier_share);
+  const double last_share = is_model_rough_ ? 0 : kReturnShare * last_good_.quality.inlier_share;
+  const double asked = std::max(config_.return_inlier_share, last_share);
   if (static_cast<double>(estimate.unconstrained_us) * 1e-6 > config_.max_unconstrained_s) {
     result.status = TrackingStatus::kUncertain;
     result.cause = TrackingCause::kUnconstrained;
@@ -292,19 +297,17 @@ StampedPose Odometry::conclude(const FrameMaps& maps, const Estimate& estimate, 
   pose.information = estimate.information;
   if (pose.status == TrackingStatus::kGood) {
     if (is_followed) {
-      pose.information =
-          edge_information(estimate.information, motion_ ? motion_->information : Matrix6d(Matrix6d::Zero()),
-                           last_good_.T_odom_camera.inverse() * pose.T_odom_camera, dt_s);
+      pose.information = edge_information(
+          estimate.information, motion_ ? motion_->information : Matrix6d(Matrix6d::Zero()),
+          last_good_.T_odom_camera.inverse() * pose.T_odom_camera, dt_s, estimate.is_against_model);
     }
     const Approach approach{last_good_.T_odom_camera, velocity_, is_followed ? dt_s : 0};
     steady_velocity_ = approach.velocity_at(pose.T_odom_camera);
     velocity_ = is_followed
                     ? Vector6d(log_se3(last_good_.T_odom_camera.inverse() * pose.T_odom_camera) / dt_s)
                     : Vector6d(Vector6d::Zero());
-    if (!is_followed) {
-      reference_.forget();
-      is_model_rough_ = true;
-    }
+    if (!is_followed) reference_.forget();
+    if (pose.source == PoseSource::kStart || pose.segment != last_good_.segment) is_model_rough_ = true;
     unconstrained_us_ = estimate.unconstrained_us;
     last_good_ = pose;
     exposure_ = result_.exposure;

@@ -64,8 +64,9 @@ class Odometry {
     Matrix6d information = Matrix6d::Zero();  // of the edge from `from`
     int64_t from_sequence = 0;
     int segment = 0;
-    bool is_sure = false;      // the fallbacks have nothing to add
-    bool has_witness = false;  // features say the same
+    bool is_sure = false;          // the fallbacks have nothing to add
+    bool has_witness = false;      // features say the same
+    bool is_against_model = true;  // else against the last frame
     int64_t unconstrained_us =
         0;  // how long good frames have left a direction to the motion model, with this one
   };
@@ -112,9 +113,9 @@ class Odometry {
   FrameViews views_;
   SurfaceMemory last_surfaces_;
   KeptSurface last_surface_;  // of the last good frame
-  // Whether the model, new, has not yet fitted a frame well. From farther than some 2 m the noise of a few
-  // frames turns its normals by more than the pairs of a fit may differ; the filtered surface of the last
-  // frame serves in its place.
+  // The model is new and has not yet fitted a frame well. Of a few frames, from farther than some 2 m, its
+  // normals err by more than max_normal_angle_deg; where it fails, the filtered surface of the last frame
+  // serves.
   bool is_model_rough_ = true;
   Exposure exposure_;  // of the last good frame against the reference
   MotionPrior motion_prior_;

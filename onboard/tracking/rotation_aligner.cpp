@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
+#include <vector>
 
 #include "shared/exec/for_each.h"
 
@@ -18,19 +20,25 @@ constexpr double kSigma = 10;  // grey levels
 constexpr double kLeastShare = 0.3;
 
 using Equations = exec::NormalEquationsOf<kPhotometricUnknowns>;
-using Vector5d = Eigen::Matrix<double, 5, 1>;
 
-// Over [omega; gain; bias].
-Vector5d solve(const Equations& equations) {
-  constexpr int kUnknowns[5] = {0, 1, 2, kGainUnknown, kBiasUnknown};
-  Eigen::Matrix<double, 5, 5> A;
-  Vector5d b;
-  for (int i = 0; i < 5; ++i) {
-    for (int j = 0; j < 5; ++j) A(i, j) = equations.A[kUnknowns[i]][kUnknowns[j]];
-    b(i) = equations.b[kUnknowns[i]];
+// Gauss-Newton step over some of the unknowns.
+template <size_t kCount>
+Eigen::Vector<double, int{kCount}> solve(const Equations& equations,
+                                         const std::array<int, kCount>& unknowns) {
+  Eigen::Matrix<double, int{kCount}, int{kCount}> A;
+  Eigen::Vector<double, int{kCount}> b;
+  for (size_t i = 0; i < kCount; ++i) {
+    for (size_t j = 0; j < kCount; ++j)
+      A(static_cast<int>(i), static_cast<int>(j)) = equations.A[unknowns[i]][unknowns[j]];
+    b(static_cast<int>(i)) = equations.b[unknowns[i]];
   }
   A.diagonal() *= 1 + 1e-6;
   return -A.ldlt().solve(b);
+}
+
+void step_exposure(const Eigen::Vector2d& step, Exposure* exposure) {
+  exposure->gain += static_cast<float>(step(0));
+  exposure->bias += static_cast<float>(step(1)) * kBiasUnit;
 }
 
 // Mean robust loss of the points in sight, in squared sigmas.
@@ -38,12 +46,32 @@ double mean_loss(const Equations& equations) {
   return equations.weighted_squares / std::max(1.0, static_cast<double>(equations.count));
 }
 
+// How many points an image without holes shows of a scene far away.
+int64_t visible_points(const Calibration& calibration, const PinholeParams& depth_camera) {
+  PinholeParams colour = calibration.colour.pinhole();
+  for (int level = 0; level < kIntensityLevels; ++level) colour = colour.half();
+  const std::vector<float> no_depth(
+      static_cast<size_t>(DepthView::padded_size(depth_camera.width, depth_camera.height))),
+      black(static_cast<size_t>(colour.pixel_count()));
+  std::vector<Vec4f> points(static_cast<size_t>(SamplePhotometricPoint::count(depth_camera)));
+  const SamplePhotometricPoint sample{{no_depth.data(), depth_camera.width, depth_camera.height},
+                                      depth_camera,
+                                      to_rigid3f(calibration.T_colour_depth),
+                                      {black.data(), colour.width, colour.height},
+                                      colour,
+                                      points.data()};
+  for (int64_t i = 0; i < std::ssize(points); ++i) sample(i);
+  return std::ranges::count_if(points, [](const Vec4f& point) { return point.z > 0; });
+}
+
 }  // namespace
 
 RotationAligner::RotationAligner(const exec::Device& device, const Calibration& calibration)
     : device_(device),
       T_colour_depth_(calibration.T_colour_depth),
-      last_(device, SamplePhotometricPoint::count(calibration.depth.pinhole().half().half())),
+      depth_camera_(calibration.depth.pinhole().half().half()),
+      visible_points_(visible_points(calibration, depth_camera_)),
+      last_(device, SamplePhotometricPoint::count(depth_camera_)),
       workspace_(device, last_.size()) {}
 
 void RotationAligner::remember(const FrameMaps& maps) {
@@ -53,6 +81,7 @@ void RotationAligner::remember(const FrameMaps& maps) {
   if (!has_last_) return;
   const SurfaceLevel& surface = maps.levels[kPyramidLevels - 1];
   const IntensityLevel& intensity = maps.intensity.level(kCoarsest);
+  KT_CHECK(surface.camera.width == depth_camera_.width && surface.camera.height == depth_camera_.height);
   exec::for_each(device_, last_.size(),
                  SamplePhotometricPoint{surface.depth_view(), surface.camera, to_rigid3f(T_colour_depth_),
                                         intensity.view(), intensity.camera, last_.data()});
@@ -67,31 +96,34 @@ Pose RotationAligner::align(const FrameMaps& maps, const Pose& T_guess) {
   const double scale = colour_interval_us / interval_us;
   if (scale < 0.5 || scale > 2) return T_guess;
   const IntensityLevel& intensity = maps.intensity.level(kCoarsest);
-  const int64_t points = last_.size();
   // From the last camera to where the current one is, turned as the last one.
   const Rigid3f T_moved_last = to_rigid3f(Pose(Eigen::Translation3d(-scale * T_guess.translation())));
   Eigen::Matrix3d R_last_current = exp_so3(scale * log_so3(T_guess.linear()));
   Exposure exposure;
-  double first_loss = 0, best_cost = 0;
-  Eigen::Matrix3d best = R_last_current;
-  for (int iteration = 0; iteration <= kMaxIterations; ++iteration) {
+  const auto compared = [&] {
     const PhotometricResidual residual{
         last_.data(),
         T_moved_last,
         to_rigid3f(T_colour_depth_ * Pose(R_last_current.transpose())),
         {intensity.view(), intensity.camera, exposure, static_cast<float>(kSigma), kRotationCauchySigmas}};
-    const Equations equations = exec::reduce_normal_equations(device_, points, residual, workspace_);
-    const double share = static_cast<double>(equations.count) / static_cast<double>(points);
+    return exec::reduce_normal_equations(device_, last_.size(), residual, workspace_);
+  };
+  // Without a change of exposure first, any turn would explain it better than none.
+  step_exposure(solve(compared(), std::array{kGainUnknown, kBiasUnknown}), &exposure);
+  double first_loss = 0, best_cost = 0;
+  Eigen::Matrix3d best = R_last_current;
+  for (int iteration = 0; iteration <= kMaxIterations; ++iteration) {
+    const Equations equations = compared();
+    const double share = static_cast<double>(equations.count) / static_cast<double>(visible_points_);
     if (share < kLeastShare) break;
     if (iteration == 0) first_loss = best_cost = mean_loss(equations);
     // What went out of sight is no better known than at the guess.
     const double cost = share * mean_loss(equations) + (1 - share) * first_loss;
     if (cost < best_cost) best_cost = cost, best = R_last_current;
     if (iteration == kMaxIterations) break;
-    const Vector5d step = solve(equations);
+    const auto step = solve(equations, std::array{0, 1, 2, kGainUnknown, kBiasUnknown});
     R_last_current = exp_so3(step.head<3>()) * R_last_current;
-    exposure.gain += static_cast<float>(step(3));
-    exposure.bias += static_cast<float>(step(4)) * kBiasUnit;
+    step_exposure(step.tail<2>(), &exposure);
     if (step.head<3>().norm() < 1e-4) break;
   }
   if (!(best_cost < first_loss)) return T_guess;

@@ -24,7 +24,9 @@ class RotationAligner {
  private:
   exec::Device device_;
   Pose T_colour_depth_;
-  exec::Buffer<Vec4f> last_;  // as of SamplePhotometricPoint
+  PinholeParams depth_camera_;  // of the coarsest level
+  int64_t visible_points_;      // at most, of a scene far away
+  exec::Buffer<Vec4f> last_;    // as of SamplePhotometricPoint
   bool has_last_ = false;
   int64_t last_us_ = 0, last_colour_us_ = 0;
   exec::ReductionWorkspace workspace_;

@@ -81,13 +81,17 @@ TEST(Collector, StartsFarFromEverything) {
   const Calibration calibration = small_calibration(2);
   Collector collector(exec::Device::cpu(1), calibration, config, sink);
   const AnalyticScene scene = AnalyticScene::room({-2.5, -1.5, -1}, {2, 1.5, 3.5});
-  for (int i = 0; i < 12; ++i) {
+  std::vector<PoseSource> sources;
+  for (int i = 0; i < 28; ++i) {
     const RgbdFrame frame =
         render(scene, calibration, pose_at(i), {.noise_sigmas = 1, .seed = 1, .sequence = i});
     const FrameReport report = collector.process(frame);
     ASSERT_EQ(report.pose.status, TrackingStatus::kGood) << i;
-    EXPECT_POSE_NEAR(report.pose.T_odom_camera, pose_at(0).inverse() * pose_at(i), 0.3, 0.01);
+    EXPECT_POSE_NEAR(report.pose.T_odom_camera, pose_at(0).inverse() * pose_at(i), 0.3, 0.02);
+    sources.push_back(report.pose.source);
   }
+  EXPECT_EQ(sources[1], PoseSource::kPairwise) << "nothing is tested otherwise";
+  EXPECT_EQ(sources.back(), PoseSource::kModel);
 }
 
 TEST(Collector, PublishesAPosePerFrameInOrder) {

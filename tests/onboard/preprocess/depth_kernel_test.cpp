@@ -175,10 +175,11 @@ TEST(HalveDepth, AveragesOneSurfaceAndIgnoresHolesAndWhatLiesBehind) {
   const struct {
     int raw[4];
     float expected_m;
-  } cases[] = {{{1000, 1000, 1000, 1000}, 1.0f}, {{0, 0, 0, 0}, 0.0f},
-               {{0, 1000, 0, 0}, 1.0f},          {{0, 1000, 1000, 0}, 1.0f},
-               {{1000, 2000, 2000, 2000}, 1.0f}, {{3000, 2000, 0, 2000}, 2.0f}};
-  const auto case_at = [&](int u, int v) { return cases[(u / 2 + v / 2) % 6]; };
+  } cases[] = {{{1000, 1000, 1000, 1000}, 1.0f},  {{0, 0, 0, 0}, 0.0f},
+               {{0, 1000, 0, 0}, 1.0f},           {{0, 1000, 1000, 0}, 1.0f},
+               {{1000, 2000, 2000, 2000}, 1.0f},  {{3000, 2000, 0, 2000}, 2.0f},
+               {{1000, 1040, 1000, 1040}, 1.02f}, {{1000, 1060, 1060, 1060}, 1.0f}};  // a slope, an edge
+  const auto case_at = [&](int u, int v) { return cases[(u / 2 + v / 2) % 8]; };
   const HostMaps maps = preprocess(calibration, depth_frame(calibration.depth, [&](int u, int v) {
                                      return case_at(u, v).raw[u % 2 + 2 * (v % 2)];
                                    }));

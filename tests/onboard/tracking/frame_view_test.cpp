@@ -78,7 +78,7 @@ TEST(FrameViews, GivesBackTheFramesOwnPointsAndNormals) {
 TEST(FrameViews, AFrameAlignsWithAKeptOne) {
   Rig rig;
   Tracker tracker(rig.device, rig.calibration, {});
-  const KeptSurface kept = rig.surfaces.keep(rig.maps_at(kHere));
+  const KeptSurface kept = rig.surfaces.keep(rig.maps_at(kHere), {});
   for (const Pose& motion : {pose_of({0, 0, 0}, {0, 0, 0}), pose_of({1.5, -1, 2}, {0.02, 0.03, -0.04}),
                              pose_of({-2, 2.5, -1}, {-0.03, 0.01, 0.05})}) {
     const TrackResult result =
@@ -91,14 +91,14 @@ TEST(FrameViews, AFrameAlignsWithAKeptOne) {
 
 TEST(SurfaceMemory, ServesAgainWhereASurfaceHasGone) {
   Rig rig;
-  const KeptSurface first = rig.surfaces.keep(rig.maps_at(kHere));
+  const KeptSurface first = rig.surfaces.keep(rig.maps_at(kHere), {});
   const FrameMaps& maps = rig.maps_at(kThere);
   const std::vector<float> depth = maps.levels.back().depth.downloaded();
-  KeptSurface second = rig.surfaces.keep(maps);
+  KeptSurface second = rig.surfaces.keep(maps, {});
   const float* const memory = second.depth.get();
-  EXPECT_THROW(rig.surfaces.keep(maps), LogicError) << "no more than its capacity";
+  EXPECT_THROW(rig.surfaces.keep(maps, {}), LogicError) << "no more than its capacity";
   second = {};
-  second = rig.surfaces.keep(maps);
+  second = rig.surfaces.keep(maps, {});
   EXPECT_EQ(second.depth.get(), memory);
   EXPECT_EQ(std::vector<float>(memory, memory + depth.size()), depth);
   EXPECT_NE(std::vector<float>(first.depth.get(), first.depth.get() + depth.size()), depth);

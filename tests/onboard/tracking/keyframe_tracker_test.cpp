@@ -27,7 +27,7 @@ struct KeyframeRig {
   }
   void remember_from(const Pose& T_odom_camera, int64_t sequence, int segment = 0) {
     look_from(T_odom_camera);
-    keyframes.remember(sequence, segment, T_odom_camera);
+    keyframes.remember(sequence, segment, T_odom_camera, {});
   }
 };
 
@@ -56,7 +56,7 @@ TEST(KeyframeTracker, FindsNothingNearWhereNoKeyframeIs) {
   rig.look_from(facing(0));
   EXPECT_FALSE(rig.keyframes.find_near(0, facing(0)));
   EXPECT_FALSE(rig.keyframes.nearest(0, facing(0)));
-  rig.keyframes.remember(0, 0, facing(0));
+  rig.keyframes.remember(0, 0, facing(0), {});
   EXPECT_TRUE(rig.keyframes.find_near(0, facing(0)));
   EXPECT_FALSE(rig.keyframes.find_near(1, facing(0))) << "another segment";
   EXPECT_FALSE(rig.keyframes.find_near(0, facing(90)));
@@ -99,7 +99,7 @@ TEST(KeyframeTracker, RemembersOnlyWhereNoneIsNear) {
              far = facing(0) * pose_of({0, 5, 0}, {0.15, 0, 0});  // 0.24
   rig.remember_from(near, 2);
   EXPECT_EQ(nearest_sequence(near, 0), 1);
-  rig.keyframes.remember(3, 1, near);
+  rig.keyframes.remember(3, 1, near, {});
   EXPECT_EQ(nearest_sequence(near, 1), 3) << "the other segment had none";
   rig.remember_from(far, 4);
   EXPECT_EQ(nearest_sequence(far, 0), 4);

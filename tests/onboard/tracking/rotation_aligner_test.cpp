@@ -79,6 +79,14 @@ TEST(RotationAligner, KnowsHowFarTheCameraMoves) {
   EXPECT_LT(trial.error_deg(trial.aligned(pose_of({0, 0, 0}, step))), 0.15);
 }
 
+// A depth camera sees more than the colour camera does.
+TEST(RotationAligner, OfANarrowColourCameraAsksForWhatThatCanShow) {
+  Turn trial;
+  trial.calibration.colour.fx = trial.calibration.colour.fy = 2.2 * trial.calibration.depth.fx;
+  trial.T_last_current = pose_of({1, 3, -1}, {0, 0, 0});
+  EXPECT_LT(trial.error_deg(trial.aligned()), 0.8);
+}
+
 TEST(RotationAligner, TurnsInTheFrameOfTheDepthCamera) {
   Turn trial;
   trial.calibration.T_colour_depth = pose_of({0, 0, 90}, {-0.02, 0, 0});
