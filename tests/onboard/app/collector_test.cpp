@@ -72,28 +72,6 @@ TEST(Collector, FollowsTheCamera) {
   }
 }
 
-// What one frame fuses of a far wall is too rough to fit the next frame to.
-TEST(Collector, StartsFarFromEverything) {
-  CollectorConfig config = room_config();
-  config.volume.resolution = 512;
-  config.volume.voxel_size_m = 0.01;
-  RecordingSink sink;
-  const Calibration calibration = small_calibration(2);
-  Collector collector(exec::Device::cpu(1), calibration, config, sink);
-  const AnalyticScene scene = AnalyticScene::room({-2.5, -1.5, -1}, {2, 1.5, 3.5});
-  std::vector<PoseSource> sources;
-  for (int i = 0; i < 28; ++i) {
-    const RgbdFrame frame =
-        render(scene, calibration, pose_at(i), {.noise_sigmas = 1, .seed = 1, .sequence = i});
-    const FrameReport report = collector.process(frame);
-    ASSERT_EQ(report.pose.status, TrackingStatus::kGood) << i;
-    EXPECT_POSE_NEAR(report.pose.T_odom_camera, pose_at(0).inverse() * pose_at(i), 0.3, 0.02);
-    sources.push_back(report.pose.source);
-  }
-  EXPECT_EQ(sources[1], PoseSource::kPairwise) << "nothing is tested otherwise";
-  EXPECT_EQ(sources.back(), PoseSource::kModel);
-}
-
 TEST(Collector, PublishesAPosePerFrameInOrder) {
   SmallMission mission;
   mission.feed_room(0, 5);
