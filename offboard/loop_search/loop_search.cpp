@@ -25,7 +25,7 @@ LoopSearch::LoopSearch(const Calibration& calibration, std::vector<Keyframe> key
   std::vector<const Keyframe*> all;
   for (const Keyframe& keyframe : keyframes) all.push_back(&keyframe);
   vocabulary_ = &vocabulary_of(all);
-  const PinholeParams of_depth = calibration.depth.pinhole().half().half();
+  const PinholeParams of_depth = keyframe_camera(calibration);
   for (Keyframe& keyframe : keyframes) {
     if (keyframe.depth.width() != of_depth.width || keyframe.depth.height() != of_depth.height)
       keyframe.depth = {};

@@ -12,8 +12,6 @@ namespace {
 constexpr int kPairedBefore = 3;      // keyframes before each that it is matched with
 constexpr size_t kHeldBackEvery = 4;  // tracks
 constexpr size_t kFewestTracks = 200;
-// Of the error: what changes a calibration, on which everything rests, must be worth it.
-constexpr double kLeastGain = 0.01;
 
 /// The keyframes whose poses are known, as refinement needs them.
 struct Views {
@@ -89,21 +87,22 @@ class Refining {
     adjust(graph_, weight_, views_, fitted_, {.scale = measured_scale(views_, fitted_, state_)}, roughly);
     options_.scale = result_.scale = measured_scale(views_, fitted_, roughly);
     progress(1 / kSteps);
-    if (!try_free("poses", 0)) return std::move(result_);
+    const bool is_kept = try_free("poses");
     progress(2 / kSteps);
     options_.intrinsics = true;
-    options_.intrinsics = try_free("intrinsics", kLeastGain);
+    options_.intrinsics = try_free("intrinsics");
     progress(3 / kSteps);
     options_.delay = true;
-    options_.delay = try_free("colour delay", kLeastGain);
-    result_.T_world_camera = std::move(state_.T_world_node);
+    options_.delay = try_free("colour delay");
+    if (is_kept || options_.intrinsics || options_.delay)
+      result_.T_world_camera = std::move(state_.T_world_node);
     result_.change = state_.change;
     return std::move(result_);
   }
 
  private:
   // Whether what options_ has free was kept.
-  bool try_free(const char* name, double least_gain) {
+  bool try_free(const char* name) {
     BundleState state = state_;
     adjust(graph_, weight_, views_, fitted_, options_, state);
     result_.steps.push_back({name, state.change,
@@ -111,7 +110,7 @@ class Refining {
                                      losses(views_, held_back_, state, options_.scale)),
                              false});
     RefinementStep& step = result_.steps.back();
-    step.is_kept = step.held_back.is_better(least_gain);
+    step.is_kept = step.held_back.is_better();
     if (!step.is_kept) return false;
     state_ = std::move(state);
     return true;

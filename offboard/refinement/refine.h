@@ -31,8 +31,9 @@ struct Refinement {
 
 /// Bundle adjustment of all poses over features with depth, beside odometry and the closures that `solution`
 /// believes in. Poses, then intrinsics, then the delay of the colour image are let free, each kept only where
-/// it lowers the error of tracks that were held back, a quarter of all. The result does not depend on the
-/// number of threads. A mission without keyframes or with hardly any track stays as it is.
+/// it lowers the error of tracks that were held back, a quarter of all (Comparison::is_better). The result
+/// does not depend on the number of threads. A mission without keyframes or with hardly any track stays as it
+/// is.
 Refinement refine(const Session& session, const MissionGraph& measured, const OptimisedGraph& solution,
                   int threads, const std::function<void(double share)>& progress);
 

@@ -18,7 +18,11 @@ constexpr double kRansacFailure = 1e-4;
 constexpr double kLeastTriangle_m2 = 2e-3;  // smaller ones say little of the rotation
 
 // A motion known less well than this is not known.
-constexpr double kMaxRotationSigma = 0.02, kMaxTranslationSigma = 0.03;  // rad, m
+constexpr double kMaxRotationSigma = 0.01, kMaxTranslationSigma = 0.015;  // rad, m
+
+// The two costs count pixels and features that err together as fewer; what they say of the closure that they
+// agree on is still too little (docs/loops.md).
+constexpr double kInformationGain = 4;
 
 // Of the inliers of the features, so many must still be some where the surfaces put the camera.
 constexpr double kLeastKeptInliers = 0.6;
@@ -96,7 +100,7 @@ LoopVerifier::LoopVerifier(const Calibration& calibration, const DescriptorKind&
     : config_(config),
       kind_(kind),
       camera_{calibration.colour.pinhole().half(), calibration.T_colour_depth},
-      depth_camera_(calibration.depth.pinhole().half().half()),
+      depth_camera_(keyframe_camera(calibration)),
       readout_s_(calibration.readout_s),
       cpu_(exec::Device::cpu(1)),
       surfaces_(depth_camera_) {}
@@ -154,6 +158,7 @@ LoopClosure LoopVerifier::verify(const Place& place_from, const Place& place_to)
   loop.information = aligned.information;
   Vector6d gradient = Vector6d::Zero();
   feature_terms(loop.T_from_to, &loop.information, &gradient);
+  loop.information *= kInformationGain;
   int kept = 0;
   for (const FeatureMatch& match : refined.inlier_matches) {
     const auto a = static_cast<size_t>(match.a), b = static_cast<size_t>(match.b);

@@ -12,9 +12,7 @@ namespace {
 constexpr int kLevel = kPyramidLevels - 1;
 
 PinholeParams coarsest(const Calibration& calibration) {
-  PinholeParams camera = calibration.depth.pinhole();
-  for (int level = 0; level < kLevel; ++level) camera = camera.half();
-  return camera;
+  return calibration.depth.pinhole().at_level(kLevel);
 }
 
 }  // namespace

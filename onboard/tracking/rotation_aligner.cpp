@@ -48,8 +48,7 @@ double mean_loss(const Equations& equations) {
 
 // How many points an image without holes shows of a scene far away.
 int64_t visible_points(const Calibration& calibration, const PinholeParams& depth_camera) {
-  PinholeParams colour = calibration.colour.pinhole();
-  for (int level = 0; level < kIntensityLevels; ++level) colour = colour.half();
+  const PinholeParams colour = calibration.colour.pinhole().at_level(kIntensityLevels);
   const std::vector<float> no_depth(
       static_cast<size_t>(DepthView::padded_size(depth_camera.width, depth_camera.height))),
       black(static_cast<size_t>(colour.pixel_count()));
@@ -69,7 +68,7 @@ int64_t visible_points(const Calibration& calibration, const PinholeParams& dept
 RotationAligner::RotationAligner(const exec::Device& device, const Calibration& calibration)
     : device_(device),
       T_colour_depth_(calibration.T_colour_depth),
-      depth_camera_(calibration.depth.pinhole().half().half()),
+      depth_camera_(calibration.depth.pinhole().at_level(kPyramidLevels - 1)),
       visible_points_(visible_points(calibration, depth_camera_)),
       last_(device, SamplePhotometricPoint::count(depth_camera_)),
       workspace_(device, last_.size()) {}

@@ -23,6 +23,12 @@ struct PinholeParams {
   PinholeParams half() const {
     return {fx / 2, fy / 2, (cx + 0.5f) / 2 - 0.5f, (cy + 0.5f) / 2 - 0.5f, width / 2, height / 2};
   }
+  /// The camera of a level of an image pyramid, where level 0 has full resolution.
+  PinholeParams at_level(int level) const {
+    PinholeParams camera = *this;
+    for (int i = 0; i < level; ++i) camera = camera.half();
+    return camera;
+  }
   int64_t pixel_count() const { return int64_t{width} * height; }
 };
 

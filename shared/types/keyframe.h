@@ -9,6 +9,7 @@
 #include "shared/core/image.h"
 #include "shared/core/vec.h"
 #include "shared/geometry/se3.h"
+#include "shared/types/calibration.h"
 
 namespace kt {
 
@@ -31,5 +32,10 @@ struct Keyframe {
   Image<uint16_t> depth;
   Image<Rgb8> thumbnail;  ///< of the colour image as recorded, for people; travels as JPEG; may be empty
 };
+
+/// The camera of Keyframe::depth.
+inline PinholeParams keyframe_camera(const Calibration& calibration) {
+  return calibration.depth.pinhole().at_level(2);
+}
 
 }  // namespace kt

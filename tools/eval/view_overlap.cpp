@@ -22,10 +22,6 @@ bool has_size_of(const Image<uint16_t>& depth, const PinholeParams& camera) {
 
 }  // namespace
 
-PinholeParams keyframe_camera(const Calibration& calibration) {
-  return calibration.depth.pinhole().half().half();
-}
-
 double shared_view(const PinholeParams& camera, const Image<uint16_t>& seen, const Image<uint16_t>& by,
                    const Pose& T_by_seen) {
   KT_CHECK(has_size_of(seen, camera) && has_size_of(by, camera));

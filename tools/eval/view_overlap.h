@@ -7,12 +7,8 @@
 #include "shared/core/image.h"
 #include "shared/core/pinhole.h"
 #include "shared/geometry/se3.h"
-#include "shared/types/calibration.h"
 
 namespace kt {
-
-/// The camera of Keyframe::depth: the undistorted depth camera at a quarter of its resolution.
-PinholeParams keyframe_camera(const Calibration& calibration);
 
 /// Share of the depth pixels of `seen` (mm, 0 = none; every other one of every other row) whose points, moved
 /// by `T_by_seen`, fall on a pixel of `by` whose depth is theirs to 5 cm + 3 standard deviations of the

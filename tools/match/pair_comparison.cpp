@@ -9,6 +9,7 @@
 
 #include "onboard/loops/builtin_vocabulary.h"
 #include "onboard/loops/descriptor_matcher.h"
+#include "shared/types/keyframe.h"
 #include "tools/eval/statistics.h"
 #include "tools/eval/view_overlap.h"
 

@@ -154,6 +154,28 @@ TEST(Refine, MakesPosesBetterAndLeavesARightCalibrationAlone) {
   EXPECT_TRUE(changed(calibration, refinement.change).is_equal_to(calibration));
 }
 
+TEST(Refine, LeavesGoodPosesAsTheyAre) {
+  Made made;
+  made.solution.T_world_node = made.T_true;
+  const Refinement refinement = made.refined();
+  EXPECT_FALSE(step_of(refinement, "poses").is_kept);
+  EXPECT_TRUE(refinement.T_world_camera.empty());
+}
+
+TEST(Comparison, AsksForMoreThanChanceAndForMoreThanOnePercent) {
+  std::vector<double> before(1000), little(1000), enough(1000), chance(1000);
+  for (size_t i = 0; i < before.size(); ++i) {
+    before[i] = 1 + 0.1 * normal(20, static_cast<int>(i), 0);
+    little[i] = 0.995 * before[i];
+    enough[i] = 0.98 * before[i];
+    chance[i] = enough[i] + normal(21, static_cast<int>(i), 0);
+  }
+  EXPECT_GT(compare(before, little).sigmas, 3);
+  EXPECT_FALSE(compare(before, little).is_better());
+  EXPECT_TRUE(compare(before, enough).is_better());
+  EXPECT_FALSE(compare(before, chance).is_better());
+}
+
 TEST(Refine, FindsADelayOfTheColourImage) {
   const Made made({.colour_delay_s = 0.012});
   const Refinement refinement = made.refined();

@@ -44,6 +44,13 @@ TEST(PinholeParams, HalfOfAnOddSizeDropsTheLastPixel) {
   EXPECT_EQ(odd.half().height, 40);
 }
 
+TEST(PinholeParams, LevelsHalveOneAfterTheOther) {
+  EXPECT_EQ(kCamera.at_level(0).width, kCamera.width);
+  EXPECT_EQ(kCamera.at_level(2).width, kCamera.width / 4);
+  EXPECT_EQ(kCamera.at_level(2).fx, kCamera.fx / 4);
+  EXPECT_EQ(kCamera.at_level(2).cx, kCamera.half().half().cx);
+}
+
 TEST(DistortedPinholeParams, WithoutDistortionIsThePinhole) {
   const DistortedPinholeParams camera{kCamera};
   const Vec3f p{0.4f, -0.3f, 1.7f};

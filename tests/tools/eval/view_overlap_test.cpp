@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/core/check.h"
+#include "shared/types/keyframe.h"
 #include "tests/tools/eval/wall_views.h"
 
 namespace kt {
