@@ -145,15 +145,17 @@ struct RatePhotometricPoint {
   }
 
  private:
-  // Where depth breaks off, nobody knows on which side of it a gradient lies.
+  // Where depth breaks off, nobody knows on which side of it a gradient lies. Along a plane, however slanted,
+  // the inverse of depth is linear.
   KT_HOST_DEVICE bool is_beside_edge(int u, int v, float z) const {
     constexpr int kReach = 3;
-    const float limit = 0.05f * z;
-    for (int dv = -kReach; dv <= kReach; dv += kReach) {
-      for (int du = -kReach; du <= kReach; du += kReach) {
-        const float other = depth.at(u + du, v + dv);
-        if (other <= 0.0f || fabsf(other - z) > limit) return true;
-      }
+    constexpr int kAlongU[4] = {kReach, 0, kReach, kReach}, kAlongV[4] = {0, kReach, kReach, -kReach};
+    constexpr float kLargestBend = 0.05f;  // of the depth
+    if (z <= 0.0f) return true;
+    for (int k = 0; k < 4; ++k) {
+      const float ahead = depth.at(u + kAlongU[k], v + kAlongV[k]),
+                  behind = depth.at(u - kAlongU[k], v - kAlongV[k]);
+      if (ahead <= 0.0f || behind <= 0.0f || fabsf(z / ahead + z / behind - 2.0f) > kLargestBend) return true;
     }
     return false;
   }
