@@ -122,7 +122,7 @@ struct RatePhotometricPoint {
     if (u % step != 0 || v % step != 0) return;
     const Vec4f model = model_points[i];
     const float z = depth.at(u, v);
-    if ((model.w <= 0.0f && z <= 0.0f) || is_beside_edge(u, v, z)) return;
+    if (is_beside_edge(u, v, z)) return;
     const Vec3f p =
         model.w > 0.0f ? xyz(model) : depth_camera.unproject(static_cast<float>(u), static_cast<float>(v), z);
     const Vec3f middle = T_colour_depth * p;
