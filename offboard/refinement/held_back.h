@@ -31,7 +31,8 @@ double measured_scale(const FeatureViews& views, std::span<const FeatureTrack> t
 /// Mean of `before`, of `after`, and how many standard errors of their mean difference lie between.
 struct Comparison {
   double before = 0, after = 0, sigmas = 0;
-  /// Beyond chance, and by enough: tracks share cameras, so that even many say less than their number.
+  /// By more than 3 standard errors and by more than 1 %: tracks share cameras, so that the standard error
+  /// alone is too small.
   bool is_better() const { return sigmas > 3 && after < 0.99 * before; }
 };
 Comparison compare(std::span<const double> before, std::span<const double> after);

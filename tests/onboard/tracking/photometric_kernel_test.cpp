@@ -166,6 +166,26 @@ TEST(PhotometricReference, AtItsOwnPoseResidualsVanish) {
   }
 }
 
+// By pixel, 1 where a point of the measured surface is picked; one camera sees depth and levels.
+std::vector<uint8_t> picked_points(const DepthView& depth, const std::vector<float>& levels,
+                                   float min_gradient) {
+  const std::vector<Vec4f> no_model(levels.size(), Vec4f{});
+  std::vector<Vec4f> candidates(levels.size());
+  std::vector<uint8_t> picked(levels.size());
+  const RatePhotometricPoint rate{no_model.data(),
+                                  depth,
+                                  kCamera,
+                                  1,
+                                  to_rigid3f(Pose::Identity()),
+                                  {levels.data(), kWidth, kHeight},
+                                  kCamera,
+                                  min_gradient,
+                                  candidates.data(),
+                                  picked.data()};
+  for (int64_t i = 0; i < kWidth * kHeight; ++i) rate(i);
+  return picked;
+}
+
 // A cross of blurred lines, alike on both sides: what is picked must be too, or all of it pulls one way.
 TEST(RatePhotometricPoint, PicksBothFlanksOfALine) {
   constexpr int kMiddleU = 80, kMiddleV = 60;
@@ -176,20 +196,7 @@ TEST(RatePhotometricPoint, PicksBothFlanksOfALine) {
                        100 * std::exp(-0.3f * std::pow(static_cast<float>(v - kMiddleV), 2.0f)));
   }
   const std::vector<float> depth_m(static_cast<size_t>(DepthView::padded_size(kWidth, kHeight)), 2.0f);
-  const std::vector<Vec4f> no_model(levels.size(), Vec4f{});
-  std::vector<Vec4f> candidates(levels.size());
-  std::vector<uint8_t> picked(levels.size());
-  const RatePhotometricPoint rate{no_model.data(),
-                                  {depth_m.data(), kWidth, kHeight},
-                                  kCamera,
-                                  1,
-                                  to_rigid3f(Pose::Identity()),
-                                  {levels.data(), kWidth, kHeight},
-                                  kCamera,
-                                  4.0f,
-                                  candidates.data(),
-                                  picked.data()};
-  for (int64_t i = 0; i < kWidth * kHeight; ++i) rate(i);
+  const std::vector<uint8_t> picked = picked_points({depth_m.data(), kWidth, kHeight}, levels, 4.0f);
   const auto is_picked = [&](int u, int v) { return picked[static_cast<size_t>(v * kWidth + u)] != 0; };
   int count = 0;
   for (int dv = -50; dv <= 50; ++dv) {
@@ -216,20 +223,7 @@ TEST(RatePhotometricPoint, TellsASlantedWallFromAnEdge) {
       depth_m[static_cast<size_t>(depth.index(u, v))] = v < kStepV ? 0.9f * z : z;
     }
   }
-  const std::vector<Vec4f> no_model(levels.size(), Vec4f{});
-  std::vector<Vec4f> candidates(levels.size());
-  std::vector<uint8_t> picked(levels.size());
-  const RatePhotometricPoint rate{no_model.data(),
-                                  depth,
-                                  kCamera,
-                                  1,
-                                  to_rigid3f(Pose::Identity()),
-                                  {levels.data(), kWidth, kHeight},
-                                  kCamera,
-                                  0.5f,
-                                  candidates.data(),
-                                  picked.data()};
-  for (int64_t i = 0; i < kWidth * kHeight; ++i) rate(i);
+  const std::vector<uint8_t> picked = picked_points(depth, levels, 0.5f);
   EXPECT_GT(depth.at(kFirstU, kStepV), 1.12f * depth.at(kFirstU + 3, kStepV));
   for (int v = 2; v < kHeight - 2; ++v) {
     for (int u = kFirstU; u < kWidth - 2; ++u) {
